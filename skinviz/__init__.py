@@ -1,0 +1,88 @@
+"""skinviz: what skin is made of, and what it looks like.
+
+Range-scanned hands are cleaned, pigment weights are fitted to measured spectra
+with two Kubelka–Munk layers, spectral radiance is computed with Torrance–Sparrow
+shading, and hands are shown in colour with their spectra beside them. The method
+is that of Doi, Tanaka & Tominaga, J. Imaging Sci. Technol. 49:574 (2005).
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from skinviz.errors import (
+        ArgumentError,
+        DataError,
+        FitError,
+        MeshError,
+        SkinvizError,
+        SystemLibraryError,
+    )
+    from skinviz.render.shade import shade, vertex_spectrum
+    from skinviz.scan.clean import CleaningReport, clean_scan
+    from skinviz.scan.formats import read_mesh, read_scan, write_mesh
+    from skinviz.scan.scan import Scan
+    from skinviz.scan.simulate import Scanner, simulate_scan
+    from skinviz.scene.hand import HandFrame, hand_frame
+    from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
+    from skinviz.scene.scene_file import read_scene
+    from skinviz.skin.fit import SkinFit, fit_skin
+    from skinviz.skin.kubelka_munk import kubelka_munk_layer
+    from skinviz.skin.models import skin_model, skin_models
+    from skinviz.spectra.archives import load_archive
+    from skinviz.spectra.files import read_spectra, write_spectra
+    from skinviz.surface.torrance_sparrow import TorranceSparrow
+
+# Loaded when first used, so that ``import skinviz`` costs next to nothing.
+_HOME = {
+    "ArgumentError": "errors",
+    "DataError": "errors",
+    "FitError": "errors",
+    "MeshError": "errors",
+    "SkinvizError": "errors",
+    "SystemLibraryError": "errors",
+    "shade": "render.shade",
+    "vertex_spectrum": "render.shade",
+    "CleaningReport": "scan.clean",
+    "clean_scan": "scan.clean",
+    "read_mesh": "scan.formats",
+    "read_scan": "scan.formats",
+    "write_mesh": "scan.formats",
+    "Scan": "scan.scan",
+    "Scanner": "scan.simulate",
+    "simulate_scan": "scan.simulate",
+    "HandFrame": "scene.hand",
+    "hand_frame": "scene.hand",
+    "Camera": "scene.scene",
+    "DirectionalLight": "scene.scene",
+    "Scene": "scene.scene",
+    "Skin": "scene.scene",
+    "read_scene": "scene.scene_file",
+    "SkinFit": "skin.fit",
+    "fit_skin": "skin.fit",
+    "kubelka_munk_layer": "skin.kubelka_munk",
+    "skin_model": "skin.models",
+    "skin_models": "skin.models",
+    "load_archive": "spectra.archives",
+    "read_spectra": "spectra.files",
+    "write_spectra": "spectra.files",
+    "TorranceSparrow": "surface.torrance_sparrow",
+}
+
+__all__ = ["__version__", *sorted(_HOME)]  # noqa: PLE0604 - names are in _HOME
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name's module when the name is first used."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'skinviz' has no attribute {name!r}")
+    return getattr(import_module(f"skinviz.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

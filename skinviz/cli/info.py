@@ -1,0 +1,127 @@
+"""``skinviz info``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from skinviz.cli.output import say, say_json
+
+if TYPE_CHECKING:
+    from skinviz.scan.scan import Scan
+    from skinviz.scene.scene import Scene
+
+
+def info(file: Path, *, unit: str | None = None, json: bool = False) -> None:
+    """Say what a scene or a scan holds and what will be computed.
+
+    Example: skinviz info scene.toml
+
+    Parameters
+    ----------
+    file
+        Scene file (.toml), raw scan or mesh.
+    unit
+        Unit of length in a scan or mesh file, unless it states it.
+    json
+        Print it as JSON.
+    """
+    if file.suffix.lower() == ".toml":
+        from skinviz.scene.scene_file import read_scene
+
+        facts = _scene_facts(read_scene(file))
+    else:
+        from skinviz.scan.formats import read_scan
+
+        facts = _scan_facts(read_scan(file, unit))
+    if json:
+        say_json(facts)
+        return
+    width = max(len(name) for name in facts)
+    for name, value in facts.items():
+        for i, line in enumerate(value if isinstance(value, list) else [value]):
+            say(f"{name if i == 0 else '':<{width}}  {line}")
+
+
+def _scene_facts(scene: Scene) -> dict[str, Any]:
+    """Return what a scene holds, what is computed and what is left out."""
+    import numpy as np
+
+    model, surface = scene.skin.model, scene.surface
+    weights = np.atleast_2d(scene.skin.values)
+    names = [p.name for p in model.parameters]
+    body = model.diffuse(scene.skin.values, scene.wavelengths)
+    given = "at each vertex" if scene.skin.values.ndim == 2 else "uniform"
+    return {
+        "mesh": f"{scene.mesh.n_points} vertices, {scene.mesh.n_cells} triangles",
+        "skin": [
+            f"{model.name}, {given}; specular {model.specular}",
+            ", ".join(
+                f"{name} {low:.4g}" + (f" to {high:.4g}" if high > low else "")
+                for name, low, high in zip(
+                    names, weights.min(axis=0), weights.max(axis=0), strict=True
+                )
+            ),
+        ],
+        "surface": (
+            f"Torrance-Sparrow, gamma {surface.gamma:g} rad, n {surface.n:g}, beta "
+            f"{surface.beta:.4g} ({surface.specular_scale:.3g} of the physical), "
+            f"masking {surface.masking}"
+        ),
+        "lights": [
+            f"{light.illuminant}, strength {light.strength:g}, from "
+            f"{np.round(light.direction, 3).tolist()}"
+            for light in scene.lights
+        ],
+        "view": (
+            f"from {np.round(scene.camera.direction, 3).tolist()}, "
+            f"{scene.camera.size[0]} x {scene.camera.size[1]} pixels, parallel rays"
+        ),
+        "computed": [
+            f"radiance at every vertex on {scene.wavelengths.size} wavelengths, "
+            f"{scene.wavelengths[0]:g}-{scene.wavelengths[-1]:g} nm: diffuse "
+            "(Lambert) and specular",
+            f"colour through CIE XYZ ({scene.observer}), sRGB, no white adaptation, "
+            f"exposure {scene.exposure:g}",
+        ],
+        "left out": "cast shadows, light between fingers, transport along the skin",
+        "energy": _energy(float(np.max(body)), scene),
+    }
+
+
+def _energy(body: float, scene: Scene) -> str:
+    """Return the most that the scene's surface can reflect, with a warning above 1."""
+    from skinviz.surface.torrance_sparrow import specular_albedo
+
+    gloss = specular_albedo(scene.surface)
+    most = scene.diffuse_scale * body + gloss
+    warning = "" if most <= 1 else "; above 1: the surface gives off more than it gets"
+    return (
+        f"at most {most:.3f} of the light: diffuse {scene.diffuse_scale * body:.3f} + "
+        f"specular {gloss:.3f} (up to 80 degrees){warning}"
+    )
+
+
+def _scan_facts(scan: Scan) -> dict[str, Any]:
+    """Return what a scan file holds."""
+    import numpy as np
+
+    from skinviz.scan import topology
+
+    if scan.mesh is None:
+        return {
+            "views": [
+                f"{view.name}: {view.valid.shape[0]} x {view.valid.shape[1]} cells, "
+                f"{int(view.valid.sum())} returns"
+                for view in scan.views
+            ]
+        }
+    points, faces = topology.arrays(scan.mesh)
+    extent = np.ptp(points, axis=0)
+    return {
+        "mesh": f"{len(points)} vertices, {len(faces)} triangles",
+        "extent": f"{extent[0]:.1f} x {extent[1]:.1f} x {extent[2]:.1f} mm",
+        "pieces": f"{int(topology.face_components(len(points), faces).max()) + 1}",
+        "boundaries": f"{len(topology.boundary_loops(faces))}",
+        "non-manifold edges": f"{topology.n_non_manifold_edges(faces)}",
+    }

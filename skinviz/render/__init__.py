@@ -1,0 +1,6 @@
+"""From a scene to spectral radiance and colour."""
+
+from skinviz.render.colour import DisplayCounts, to_srgb8
+from skinviz.render.shade import VertexSpectrum, shade, vertex_spectrum
+
+__all__ = ["DisplayCounts", "VertexSpectrum", "shade", "to_srgb8", "vertex_spectrum"]

@@ -1,0 +1,1 @@
+"""Range scans: formats, alignment, cleaning to hand meshes, a scanner simulator."""

@@ -1,0 +1,251 @@
+"""Rigid alignment of overlapping views, all poses solved for together.
+
+Every view is matched with every other by nearest points; the squared distances
+to the tangent planes are summed over all pairs and minimised over all poses at
+once, so no error accumulates around the ring of views as it does when views are
+aligned one after another. The first view keeps its pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.errors import MeshError
+from skinviz.scan.scan import transform
+
+Pose = NDArray[np.float64]
+
+_NORMALS_AGREE = np.cos(np.deg2rad(35))
+_MIN_PAIRS = 50
+_SETTLED = 2e-3  # mm
+
+
+@dataclass(frozen=True)
+class Patch:
+    """One view's surface samples for alignment, in the sensor's frame.
+
+    Attributes
+    ----------
+    name : str
+        The view's name, for messages.
+    points, normals : (n, 3) ndarray of float64
+        Surface points [mm] and unit normals.
+    interior : (n,) ndarray of bool
+        False on the patch's rim, where a nearest point says nothing.
+    """
+
+    name: str
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    interior: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """Aligned poses and how well they agree.
+
+    Attributes
+    ----------
+    poses : tuple of (4, 4) ndarray
+        One per patch; the first is the one given.
+    overlap : (n,) ndarray of float64
+        Share of each patch's points that found a partner in another.
+    residual : float
+        RMS distance of partners to each other's tangent planes. [mm]
+    moved : (n,) ndarray of float64
+        How far each patch's centre was moved. [mm]
+    iterations : int
+        Rounds of matching and solving.
+    """
+
+    poses: tuple[Pose, ...]
+    overlap: NDArray[np.float64]
+    residual: float
+    moved: NDArray[np.float64]
+    iterations: int
+
+
+def align_patches(
+    patches: tuple[Patch, ...],
+    poses: tuple[Pose, ...],
+    *,
+    reach: float = 6.0,
+    max_iterations: int = 60,
+    samples: int = 4000,
+) -> Alignment:
+    """Refine poses until overlapping patches lie on each other.
+
+    Multi-view point-to-plane ICP [1]_, Gauss–Newton on all poses together with
+    Cauchy weights, the reach of matching shrinking towards the residual.
+
+    Parameters
+    ----------
+    patches : tuple of Patch
+        At least one; the first one's pose is kept.
+    poses : tuple of (4, 4) ndarray
+        Where the scanner believes they are, right to about ``reach``.
+    reach : float
+        Largest distance between partners at the start. [mm]
+    max_iterations : int
+        Rounds after which to stop.
+    samples : int
+        Points of each patch that look for partners.
+
+    Returns
+    -------
+    alignment : Alignment
+        Poses, overlap and residual.
+
+    Raises
+    ------
+    MeshError
+        If a patch overlaps no other within reach.
+
+    References
+    ----------
+    .. [1] Y. Chen and G. Medioni, Image Vision Comput. 10:145 (1992).
+    """
+    from scipy.spatial import cKDTree
+
+    if len(patches) == 1:
+        zero = np.zeros(1)
+        return Alignment(poses, zero, 0.0, zero, 0)
+    trees = [cKDTree(patch.points) for patch in patches]
+    # Evenly spaced samples make the result independent of any random state.
+    picks = [
+        np.linspace(0, len(p.points) - 1, min(samples, len(p.points))).astype(int)
+        for p in patches
+    ]
+    centres = [patch.points.mean(axis=0) for patch in patches]
+    start = poses
+    scale, residual, distance = reach / 3, np.inf, reach
+    iterations = 0
+    while iterations < max_iterations:
+        iterations += 1
+        pairs = _match(patches, trees, picks, poses, distance)
+        _require_overlap(patches, pairs)
+        step, residual = _solve(pairs, len(patches), scale)
+        start_of_round = poses
+        poses = tuple(map(_compose, step, poses))
+        scale = max(1.5 * residual, 1e-6)
+        distance = float(np.clip(6 * residual, 1e-3, distance))
+        if max(map(_shift, start_of_round, poses, centres)) < _SETTLED:
+            break
+    pairs = _match(patches, trees, picks, poses, distance)
+    found = np.array(
+        [
+            np.unique(np.concatenate([p.index for p in pairs if p.moving == i])).size
+            / picks[i].size
+            for i in range(len(patches))
+        ]
+    )
+    moved = np.array(list(map(_shift, start, poses, centres)))
+    return Alignment(poses, found, residual, moved, iterations)
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """Points of one patch and their partners' tangent planes on another."""
+
+    moving: int
+    fixed: int
+    index: NDArray[np.int_]
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    gaps: NDArray[np.float64]
+
+
+def _match(
+    patches: tuple[Patch, ...],
+    trees: list,  # type: ignore[type-arg]
+    picks: list[NDArray[np.int_]],
+    poses: tuple[Pose, ...],
+    distance: float,
+) -> list[_Pairs]:
+    """Find partners between every ordered pair of patches, in the world frame."""
+    found = []
+    for i, (patch, pick) in enumerate(zip(patches, picks, strict=True)):
+        world = transform(poses[i], patch.points[pick])
+        facing = patch.normals[pick] @ poses[i][:3, :3].T
+        for j, other in enumerate(patches):
+            if i == j:
+                continue
+            rotation = poses[j][:3, :3]
+            local = (world - poses[j][:3, 3]) @ rotation
+            gap, k = trees[j].query(local, distance_upper_bound=distance, workers=-1)
+            near = np.flatnonzero(np.isfinite(gap))
+            k = k[near]
+            normals = other.normals[k] @ rotation.T
+            good = other.interior[k] & (
+                np.einsum("ij,ij->i", facing[near], normals) > _NORMALS_AGREE
+            )
+            near, k, normals = near[good], k[good], normals[good]
+            partner = transform(poses[j], other.points[k])
+            points = world[near]
+            gaps = np.einsum("ij,ij->i", points - partner, normals)
+            found.append(_Pairs(i, j, near, points, normals, gaps))
+    return found
+
+
+def _require_overlap(patches: tuple[Patch, ...], pairs: list[_Pairs]) -> None:
+    """Refuse a patch that no other overlaps: its pose would be a guess."""
+    counts = np.zeros(len(patches), dtype=int)
+    for pair in pairs:
+        counts[[pair.moving, pair.fixed]] += pair.index.size
+    if counts.min() < _MIN_PAIRS:
+        lonely = patches[int(counts.argmin())].name
+        raise MeshError(
+            f"view {lonely!r} overlaps no other view ({counts.min()} matched points, "
+            f"{_MIN_PAIRS} needed); check its pose in the .conf file or leave it out"
+        )
+
+
+def _solve(
+    pairs: list[_Pairs], n_patches: int, scale: float
+) -> tuple[NDArray[np.float64], float]:
+    """Return the joint Gauss–Newton step (n, 6) and the weighted RMS gap."""
+    centre = np.mean(np.concatenate([p.points for p in pairs]), axis=0)
+    normal = np.zeros((n_patches, 6, n_patches, 6))
+    right = np.zeros((n_patches, 6))
+    total, count = 0.0, 0.0
+    for pair in pairs:
+        row = np.hstack([np.cross(pair.points - centre, pair.normals), pair.normals])
+        weight = 1 / (1 + (pair.gaps / scale) ** 2)
+        block = (row * weight[:, None]).T @ row
+        pull = row.T @ (weight * pair.gaps)
+        i, j = pair.moving, pair.fixed
+        normal[i, :, i] += block
+        normal[j, :, j] += block
+        normal[i, :, j] -= block
+        normal[j, :, i] -= block
+        right[i] -= pull
+        right[j] += pull
+        total += float(weight @ pair.gaps**2)
+        count += float(weight.sum())
+    size = 6 * (n_patches - 1)
+    matrix = normal.reshape(6 * n_patches, -1)[6:, 6:]
+    # A surface of revolution leaves a motion undetermined: hold it, don't blow up.
+    matrix += 1e-9 * np.trace(matrix) / size * np.eye(size)
+    twists = np.zeros((n_patches, 6))
+    twists[1:] = np.linalg.solve(matrix, right[1:].reshape(-1)).reshape(-1, 6)
+    # Translations are about the common centre; carry them to the origin.
+    twists[:, 3:] -= np.cross(twists[:, :3], centre)
+    return twists, float(np.sqrt(total / count))
+
+
+def _shift(old: Pose, new: Pose, point: NDArray[np.float64]) -> float:
+    """Return how far a change of pose moves a point. [mm]"""
+    return float(np.linalg.norm(transform(new, point) - transform(old, point)))
+
+
+def _compose(twist: NDArray[np.float64], pose: Pose) -> Pose:
+    """Return a pose after a small rotation vector and translation."""
+    from scipy.spatial.transform import Rotation
+
+    motion = np.eye(4)
+    motion[:3, :3] = Rotation.from_rotvec(twist[:3]).as_matrix()
+    motion[:3, 3] = twist[3:]
+    return motion @ pose

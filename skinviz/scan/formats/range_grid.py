@@ -1,0 +1,176 @@
+"""Stanford range views: PLY files with a ``range_grid``, placed by a ``.conf``.
+
+A ``.conf`` line is ``bmesh FILE tx ty tz qi qj qk ql``. In these files the
+quaternion turns the *frame*, not the points: the rotation that places a view is
+its inverse. That is the repository's convention; ours reads and writes the same.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz._files import existing_file, whole_file
+from skinviz.errors import MeshError
+from skinviz.scan.formats.ply import UNIT_COMMENT, read_ply, stated_unit
+from skinviz.scan.scan import RangeView, Scan, scale_to_millimetres
+
+
+def is_range_grid(ply: Any) -> bool:
+    """Return whether a parsed PLY file holds a range grid."""
+    return "range_grid" in ply
+
+
+def view_from_ply(
+    ply: Any, path: Path, unit: str | None, pose: NDArray[np.float64]
+) -> RangeView:
+    """Return the range view in a parsed PLY file, in mm."""
+    scale = scale_to_millimetres(unit or stated_unit(ply), str(path))
+    info = dict(words[:2] for line in ply.obj_info if len(words := line.split()) >= 2)
+    try:
+        rows, columns = int(info["num_rows"]), int(info["num_cols"])
+    except (KeyError, ValueError) as error:
+        raise MeshError(
+            f"{path}: a range grid needs 'obj_info num_rows' and 'num_cols' lines"
+        ) from error
+    cells = ply["range_grid"].data
+    if rows <= 0 or columns <= 0 or len(cells) != rows * columns:
+        raise MeshError(
+            f"{path}: the header says {rows} x {columns} cells, the file has "
+            f"{len(cells)}"
+        )
+    vertices = ply["vertex"].data
+    try:
+        points = np.stack([vertices[k] for k in "xyz"], axis=1).astype(np.float64)
+    except ValueError as error:
+        raise MeshError(f"{path}: vertices without x, y and z") from error
+    lists = cells[cells.dtype.names[0]]
+    counts = np.fromiter(map(len, lists), dtype=np.int64, count=len(lists))
+    filled = np.flatnonzero(counts)
+    index = np.fromiter(
+        (lists[i][0] for i in filled), dtype=np.int64, count=filled.size
+    )
+    if index.size == 0:
+        raise MeshError(f"{path}: the range grid has no return at all")
+    if index.min() < 0 or index.max() >= len(points):
+        raise MeshError(
+            f"{path}: a grid cell names vertex {index.max()} of {len(points)}"
+        )
+    if not np.isfinite(points[index]).all():
+        raise MeshError(f"{path}: a return is not finite; remove it from the grid")
+    grid = np.full((rows * columns, 3), np.nan)
+    grid[filled] = points[index] * scale
+    return RangeView(path.stem, grid.reshape(rows, columns, 3), pose)
+
+
+def read_conf(path: Path, unit: str | None) -> Scan:
+    """Return the views that a ``.conf`` file lists, in mm, with their poses."""
+    views = []
+    text = path.read_text(encoding="utf-8", errors="replace")
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.split()
+        if not words or words[0] != "bmesh":
+            continue  # comments, and the viewer's camera
+        where = f"{path} line {number}"
+        if len(words) != 9:
+            raise MeshError(
+                f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got "
+                f"{len(words) - 1} values"
+            )
+        file = existing_file(path.parent / words[1], MeshError)
+        ply = read_ply(file)
+        if not is_range_grid(ply):
+            raise MeshError(f"{file}: has no range_grid, which {where} expects")
+        scale = scale_to_millimetres(unit or stated_unit(ply), str(file))
+        views.append(view_from_ply(ply, file, unit, _pose(words[2:], scale, where)))
+    if not views:
+        raise MeshError(f"{path}: no 'bmesh' line, so no view to read")
+    return Scan(views=tuple(views), source=str(path))
+
+
+def write_scan(
+    path: str | os.PathLike[str], scan: Scan, comments: tuple[str, ...] = ()
+) -> list[Path]:
+    """Write range views as PLY files in mm, placed by a ``.conf``.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The ``.conf`` file; each view goes beside it, under its own name.
+    scan : Scan
+        Its views are written.
+    comments : tuple of str
+        One line each, put at the head of every file.
+
+    Returns
+    -------
+    files : list of Path
+        The views' files and, last, the ``.conf``.
+    """
+    from scipy.spatial.transform import Rotation
+
+    conf = Path(path)
+    written, lines = [], [f"# {comment}" for comment in comments]
+    for view in scan.views:
+        file = conf.with_name(f"{view.name}.ply")
+        _write_view(file, view, comments)
+        written.append(file)
+        frame = Rotation.from_matrix(view.pose[:3, :3]).inv().as_quat()
+        numbers = " ".join(f"{x:.9g}" for x in (*view.pose[:3, 3], *frame))
+        lines.append(f"bmesh {file.name} {numbers}")
+    with whole_file(conf) as partial:
+        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return [*written, conf]
+
+
+def _pose(words: list[str], scale: float, where: str) -> NDArray[np.float64]:
+    """Return the pose of a ``bmesh`` line, its shift scaled to mm."""
+    from scipy.spatial.transform import Rotation
+
+    try:
+        numbers = np.array([float(word) for word in words])
+    except ValueError as error:
+        raise MeshError(f"{where}: {error}") from error
+    if not np.isfinite(numbers).all() or not np.linalg.norm(numbers[3:]) > 0.5:
+        raise MeshError(f"{where}: the pose is not finite or its quaternion is zero")
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_quat(numbers[3:]).inv().as_matrix()
+    pose[:3, 3] = scale * numbers[:3]
+    return pose
+
+
+def _write_view(path: Path, view: RangeView, comments: tuple[str, ...]) -> None:
+    """Write one view as a binary PLY file with a range grid, in mm."""
+    import plyfile
+
+    valid = view.valid
+    points = view.points[valid].astype("<f4")
+    vertex = np.array([tuple(p) for p in points], dtype=[(k, "<f4") for k in "xyz"])
+    cells = np.zeros(valid.size, dtype=[("vertex_indices", "O")])
+    index = np.full(valid.size, -1)
+    index[valid.ravel()] = np.arange(len(points))
+    none = np.zeros(0, dtype="<i4")
+    cells["vertex_indices"] = [
+        none if i < 0 else np.array([i], dtype="<i4") for i in index
+    ]
+    rows, columns = valid.shape
+    data = plyfile.PlyData(
+        [
+            plyfile.PlyElement.describe(vertex, "vertex"),
+            plyfile.PlyElement.describe(
+                cells,
+                "range_grid",
+                len_types={"vertex_indices": "u1"},
+                val_types={"vertex_indices": "i4"},
+            ),
+        ],
+        byte_order="<",
+        comments=[f"{UNIT_COMMENT}mm", *comments],
+        obj_info=[f"num_cols {columns}", f"num_rows {rows}"],
+    )
+    with whole_file(path) as partial:
+        data.write(str(partial))

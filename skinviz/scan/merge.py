@@ -1,0 +1,85 @@
+"""One closed surface from many aligned patches, and where it has no evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.scan import topology
+from skinviz.scan.meshlab import DEFAULT_TIMEOUT, Filter, run_filters
+from skinviz.scan.topology import Faces, Points
+
+
+@dataclass(frozen=True)
+class Merged:
+    """A merged surface and which of its points measurements support."""
+
+    points: Points
+    faces: Faces
+    supported: NDArray[np.bool_]
+
+
+def merge(
+    points: Points,
+    normals: NDArray[np.float64],
+    *,
+    cell: float,
+    support: float,
+    timeout: float = DEFAULT_TIMEOUT,
+) -> Merged:
+    """Merge oriented points into one closed surface by screened Poisson.
+
+    Parameters
+    ----------
+    points, normals : (n, 3) ndarray
+        All patches' points [mm] and unit normals in one frame.
+    cell : float
+        Largest cell of the octree at the surface. [mm]
+    support : float
+        A surface point farther than this from every measured point is
+        unsupported. [mm]
+    timeout : float
+        Time after which the worker is stopped. [s]
+
+    Returns
+    -------
+    merged : Merged
+        A closed surface; holes are filled smoothly and marked unsupported.
+
+    References
+    ----------
+    .. [1] M. Kazhdan and H. Hoppe, ACM Trans. Graph. 32(3):29 (2013).
+    """
+    from scipy.spatial import cKDTree
+
+    scale = 1.1
+    side = scale * float(np.ptp(points, axis=0).max())
+    depth = int(np.clip(np.ceil(np.log2(side / cell)), 5, 11))
+    poisson = Filter(
+        "generate_surface_reconstruction_screened_poisson",
+        {"depth": depth, "scale": scale, "preclean": True},
+    )
+    no_faces = np.zeros((0, 3), dtype=np.int64)
+    result = run_filters(points, no_faces, [poisson], normals=normals, timeout=timeout)
+    distance, _ = cKDTree(points).query(result.points, workers=-1)
+    faces = _largest_component(len(result.points), result.faces)
+    return Merged(result.points, faces, np.asarray(distance <= support))
+
+
+def unsupported_regions(merged: Merged) -> list[NDArray[np.int64]]:
+    """Return the faces of each connected region without evidence, largest first."""
+    bare = np.flatnonzero(~merged.supported[merged.faces].any(axis=1))
+    if bare.size == 0:
+        return []
+    labels = topology.face_components(len(merged.points), merged.faces[bare])
+    area = topology.face_areas(merged.points, merged.faces[bare])
+    order = np.argsort(-np.bincount(labels, area))
+    return [bare[labels == label] for label in order]
+
+
+def _largest_component(n_points: int, faces: Faces) -> Faces:
+    """Return the faces of the piece with the most triangles."""
+    labels = topology.face_components(n_points, faces)
+    return np.asarray(faces[labels == np.bincount(labels).argmax()])

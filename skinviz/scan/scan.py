@@ -1,0 +1,82 @@
+"""What a scan is: range views with their poses, or a mesh, in millimetres.
+
+Reading files belongs in ``scan.formats``, cleaning in ``scan.clean``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz._validate import one_of
+from skinviz.errors import MeshError
+
+if TYPE_CHECKING:
+    import pyvista
+
+MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "inch": 25.4}
+"""Length of each accepted unit. [mm]"""
+
+
+@dataclass(frozen=True)
+class RangeView:
+    """One view of a range scanner: a grid of points and where it was taken.
+
+    Attributes
+    ----------
+    name : str
+        What the view is called, usually its file name.
+    points : (rows, columns, 3) ndarray of float64
+        Points in the sensor's frame, z towards the sensor, NaN where there was
+        no return. [mm]
+    pose : (4, 4) ndarray of float64
+        Rigid motion from the sensor's frame to the scan's.
+    """
+
+    name: str
+    points: NDArray[np.float64]
+    pose: NDArray[np.float64]
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Grid cells with a return, shape (rows, columns)."""
+        return np.asarray(np.isfinite(self.points).all(axis=-1))
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Raw input to cleaning: range views, a mesh, or both, in millimetres.
+
+    Attributes
+    ----------
+    views : tuple of RangeView
+        Views that keep their grid and pose.
+    mesh : pyvista.PolyData or None
+        Triangles, where the file had triangles.
+    source : str
+        The file it came from.
+    """
+
+    views: tuple[RangeView, ...] = ()
+    mesh: pyvista.PolyData | None = None
+    source: str = field(default="", compare=False)
+
+
+def transform(
+    pose: NDArray[np.float64], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Apply a rigid (4, 4) pose to points (..., 3)."""
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def scale_to_millimetres(unit: str | None, source: str) -> float:
+    """Return the factor to mm; a scan file states no unit, so one must be given."""
+    if unit is None:
+        raise MeshError(
+            f"{source}: the format states no unit of length; say it with "
+            f"unit= or --unit ({', '.join(MILLIMETRES)})"
+        )
+    return MILLIMETRES[one_of(unit, MILLIMETRES, "unit of length")]

@@ -1,0 +1,252 @@
+"""Scene files: TOML that a person can write, read into a frozen ``Scene``."""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from skinviz._files import existing_file
+from skinviz.errors import ArgumentError, DataError
+from skinviz.scan.formats import read_mesh
+from skinviz.scene.hand import HandFrame, hand_frame
+from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
+from skinviz.skin.fit import fit_skin
+from skinviz.skin.models import skin_model
+from skinviz.skin.report import FIT_FORMAT
+from skinviz.spectra.archives import load_archive
+from skinviz.surface.torrance_sparrow import TorranceSparrow
+
+_TABLES: dict[str, set[str]] = {
+    "mesh": {"path", "unit"},
+    "skin": {
+        *("model", "site", "thickness", "specular", "coefficients"),
+        *("weights", "fit", "record", "archive", "origin", "subject"),
+    },
+    "surface": {"gamma", "n", "specular_scale", "beta", "masking"},
+    "lights": {"illuminant", "direction", "angle", "strength"},
+    "view": {"angles", "direction", "up", "size", "exposure", "observer"},
+}
+
+
+def read_scene(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene from a TOML file.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file. Its tables are ``[mesh]``, ``[skin]``, ``[surface]``,
+        ``[[lights]]`` and ``[view]``; paths in it are relative to it. Angles are
+        in degrees from the normal of the hand's back.
+
+    Returns
+    -------
+    scene : Scene
+        With directions worked out from angles and the skin fitted if asked.
+
+    Raises
+    ------
+    DataError
+        If the file is missing, not TOML, or a table or key is unknown, missing or
+        wrong; the message names it.
+    MeshError
+        If the mesh cannot be read.
+    """
+    file = existing_file(path, DataError)
+    try:
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise DataError(f"{file}: not a TOML file: {error}") from error
+    try:
+        return _scene(content, file.parent)
+    except ArgumentError as error:
+        raise DataError(f"{file}: {error}") from error
+    except DataError as error:
+        told = str(error)
+        raise DataError(told if str(file) in told else f"{file}: {told}") from error
+
+
+def _scene(content: dict[str, Any], folder: Path) -> Scene:
+    """Return the scene that parsed TOML describes."""
+    _require_known(content)
+    mesh_table = content.get("mesh", {})
+    if "path" not in mesh_table:
+        raise DataError('[mesh] needs path = "hand.ply"')
+    mesh = read_mesh(folder / mesh_table["path"], mesh_table.get("unit"))
+    view = content.get("view", {})
+    light_angle, view_angle = _angles(view.get("angles", "0/0"))
+    lights_table = content.get("lights", [{}])
+    # Only angles need the hand's own directions; any mesh can be lit by vectors.
+    by_vectors = {"direction", "up"} <= view.keys() and all(
+        "direction" in light for light in lights_table
+    )
+    frame = None if by_vectors else hand_frame(mesh)
+    return Scene(
+        mesh=mesh,
+        skin=_skin(content.get("skin", {}), folder),
+        surface=_surface(content.get("surface", {})),
+        lights=tuple(_light(light, frame, light_angle) for light in lights_table),
+        camera=_camera(view, frame, view_angle),
+        exposure=_number(view.get("exposure", 1.0), "exposure"),
+        observer=view.get("observer", "cie1931"),
+    )
+
+
+def _require_known(content: dict[str, Any]) -> None:
+    """Refuse misspelt tables and keys instead of passing over them."""
+    for name, table in content.items():
+        if name not in _TABLES:
+            raise DataError(f"unknown table [{name}]; known are {', '.join(_TABLES)}")
+        rows = table if isinstance(table, list) else [table]
+        if (name == "lights") != isinstance(table, list) or not all(
+            isinstance(row, dict) for row in rows
+        ):
+            shape = "[[lights]], once per light" if name == "lights" else f"[{name}]"
+            raise DataError(f"write {shape}")
+        for key in {key for row in rows for key in row} - _TABLES[name]:
+            raise DataError(
+                f"unknown key {key!r} in [{name}]; known are "
+                + ", ".join(sorted(_TABLES[name]))
+            )
+
+
+def _skin(table: dict[str, Any], folder: Path) -> Skin:
+    """Return the skin: weights given, read from a fit file, or fitted now."""
+    sources = [key for key in ("weights", "fit", "archive") if key in table]
+    if len(sources) != 1:
+        raise DataError(
+            "[skin] needs exactly one of weights = [w_m, w_h, w_dh], "
+            f'fit = "fit.json" and archive = "issa"; got {sources or "none"}'
+        )
+    if sources == ["fit"]:
+        return skin_from_fit_file(folder / table["fit"], table.get("record", 0))
+    if "specular" not in table and "archive" not in table:
+        raise DataError(
+            '[skin] needs specular = "excluded", "included" or a number: how the '
+            "spectrum behind the weights was measured"
+        )
+    keys = ("site", "thickness", "coefficients")
+    options = {key: table[key] for key in keys if key in table}
+    name = table.get("model", "two-layer")
+    if sources == ["weights"]:
+        model = skin_model(name, specular=table["specular"], **options)
+        return Skin(model, np.asarray(table["weights"], dtype=np.float64))
+    return _archive_skin(table, name, options)
+
+
+def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> Skin:
+    """Fit the spectrum of one archive subject and site."""
+    archive = load_archive(table["archive"])
+    chosen = np.ones(archive.sizes["record"], dtype=bool)
+    for key in ("origin", "subject", "site"):
+        if key not in table:
+            raise DataError(f"[skin] with archive needs {key} = ...")
+        chosen &= archive[key].values == str(table[key])
+    if not chosen.any():
+        raise DataError(
+            f"archive {table['archive']!r} has no spectrum of subject "
+            f"{table['subject']!r} of {table['origin']!r} at {table['site']!r}"
+        )
+    spectrum = archive.reflectance.values[chosen].mean(axis=0)
+    specular = table.get("specular", archive.attrs["specular"])
+    model = skin_model(name, specular=specular, **options)
+    return Skin.from_fit(fit_skin(spectrum, archive.wavelength.values, model))
+
+
+def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
+    """Return the skin in a JSON file that ``skinviz fit`` wrote."""
+    file = existing_file(path, DataError)
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+        if content["format"] != FIT_FORMAT:
+            raise KeyError(content["format"])
+        entry = content["fits"][record]
+        model = skin_model(
+            content["model"],
+            specular=content["specular"],
+            thickness=tuple(content["thickness_mm"]),
+            coefficients=content["coefficients"],
+        )
+        values = [entry["parameters"][p.name]["value"] for p in model.parameters]
+    except (json.JSONDecodeError, KeyError, IndexError, TypeError) as error:
+        raise DataError(
+            f"{file}: not a fit file of 'skinviz fit', or it has no record {record}"
+        ) from error
+    if any(value is None for value in values):
+        raise DataError(
+            f"{file}: record {record} was refused by the fit; choose another"
+        )
+    return Skin(model, np.asarray(values, dtype=np.float64))
+
+
+def _surface(table: dict[str, Any]) -> TorranceSparrow:
+    """Return the surface, by β or by its physical scale."""
+    if "beta" not in table:
+        return TorranceSparrow(**table)
+    if "specular_scale" in table:
+        raise DataError("[surface] takes beta or specular_scale, not both")
+    default = TorranceSparrow()
+    return TorranceSparrow.from_beta(
+        table["beta"],
+        table.get("gamma", default.gamma),
+        table.get("n", default.n),
+        table.get("masking", default.masking),
+    )
+
+
+def _light(
+    table: dict[str, Any], frame: HandFrame | None, angle: float
+) -> DirectionalLight:
+    """Return one light, its direction given or from its angle."""
+    if "direction" in table:
+        direction = table["direction"]
+    else:
+        assert frame is not None  # noqa: S101 - made whenever a direction is missing
+        degrees = _number(table.get("angle", np.rad2deg(angle)), "angle")
+        direction = frame.direction(np.deg2rad(degrees))
+    return DirectionalLight(
+        direction,
+        str(table.get("illuminant", "D65")),
+        _number(table.get("strength", 1.0), "strength"),
+    )
+
+
+def _camera(table: dict[str, Any], frame: HandFrame | None, angle: float) -> Camera:
+    """Return the camera, its direction given or on the other side from the light."""
+    size = table.get("size", [1024, 1024])
+    if not (
+        isinstance(size, list) and len(size) == 2 and all(type(n) is int for n in size)
+    ):
+        raise DataError(f"size must be [width, height] in pixels; got {size!r}")
+    if frame is None:
+        return Camera(table["direction"], table["up"], tuple(size))
+    return Camera(
+        table.get("direction", frame.direction(-angle)),
+        table.get("up", frame.fingers),
+        tuple(size),
+    )
+
+
+def _angles(text: Any) -> tuple[float, float]:
+    """Return illumination and viewing angle [rad] from the shorthand "60/60"."""
+    try:
+        light, view = (float(part) for part in str(text).split("/"))
+    except ValueError as error:
+        raise DataError(
+            f'angles must be "illumination/viewing" in degrees, as "60/60"; got '
+            f"{text!r}"
+        ) from error
+    if not (0 <= light <= 90 and 0 <= view <= 90):
+        raise DataError(f"angles must be within 0 to 90 degrees; got {text!r}")
+    return float(np.deg2rad(light)), float(np.deg2rad(view))
+
+
+def _number(value: Any, name: str) -> float:
+    """Return a TOML number as float."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise DataError(f"{name} must be a number; got {value!r}")
+    return float(value)

@@ -1,0 +1,1 @@
+"""Optics of skin: coefficients, layers, models and their fit to spectra."""

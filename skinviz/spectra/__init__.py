@@ -1,0 +1,1 @@
+"""Spectra and colour: grids, illuminants, colorimetry, files, archives."""

@@ -1,0 +1,46 @@
+"""Fresnel reflectance of a smooth dielectric."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinviz.errors import ArgumentError
+
+
+def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
+    """Return the reflectance for unpolarised light from the outside.
+
+    Parameters
+    ----------
+    cosine : array_like
+        Cosine of the angle of incidence. [1], 0 to 1
+    n : array_like
+        Refractive index against the outside, broadcast with ``cosine``. [1], ≥ 1
+
+    Returns
+    -------
+    reflectance : ndarray of float64
+        1 at grazing incidence; 0 at every angle where n = 1. [1]
+
+    Raises
+    ------
+    ArgumentError
+        If the index is below 1 or the cosine outside [0, 1].
+    """
+    mu, index = np.asarray(cosine, np.float64), np.asarray(n, np.float64)
+    if not ((mu >= 0) & (mu <= 1 + 1e-12)).all():
+        raise ArgumentError("the cosine of incidence must be in [0, 1]")
+    if not (index >= 1).all():
+        raise ArgumentError(
+            f"the refractive index must be at least 1; got {index.min():g}"
+        )
+    mu = np.minimum(mu, 1.0)
+    # g² = n² − sin²θ; g − μ from its square, so that n → 1 does not cancel.
+    excess = (index - 1) * (index + 1)
+    g = np.sqrt(excess + mu * mu)
+    total = g + mu
+    ratio = np.divide(excess, total**2, out=np.zeros(total.shape), where=total > 0)
+    gap = ratio * total
+    p_over_s = (mu * total - 1) / (mu * gap + 1)
+    return np.asarray(ratio**2 * (1 + p_over_s**2) / 2)

@@ -1,0 +1,185 @@
+"""Torrance and Sparrow's reflection from a rough dielectric: the paper's surface."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skinviz._validate import in_range, one_of
+from skinviz.surface.fresnel import fresnel_reflectance
+
+Array = NDArray[np.float64]
+
+MASKINGS = ("v-cavity", "none")
+"""``"v-cavity"``: Torrance–Sparrow's G; ``"none"``: eq. (10) to the letter."""
+
+_LN2 = np.log(2.0)
+_SMALLEST_COSINE = 1e-3  # to which a normal that faces away is bent
+
+
+@dataclass(frozen=True)
+class TorranceSparrow:
+    """Specular reflection from a rough dielectric, second term of eq. (10).
+
+    Attributes
+    ----------
+    gamma : float
+        Half-width of the facets' distribution: D falls to ½ at this angle between
+        the normal and the halfway vector. [rad], 1e-4 to π/2
+    n : float
+        Refractive index of the skin. [1], 1 to 3
+    specular_scale : float
+        β as a share of the β at which the surface reflects what Fresnel's law
+        says and no more. [1], ≥ 0; 0 switches the specular term off
+    masking : {"v-cavity", "none"}
+        With the masking and shadowing of facets, or eq. (10) as printed.
+
+    References
+    ----------
+    .. [1] K. E. Torrance and E. M. Sparrow, J. Opt. Soc. Am. 57:1105 (1967).
+    .. [2] Doi, Tanaka & Tominaga, J. Imaging Sci. Technol. 49:574 (2005), eq. (10).
+    """
+
+    gamma: float = 0.27
+    n: float = 1.4
+    specular_scale: float = 1.0
+    masking: str = "v-cavity"
+
+    def __post_init__(self) -> None:
+        """Refuse what no surface has."""
+        in_range(self.gamma, 1e-4, np.pi / 2, "gamma", "rad")
+        in_range(self.n, 1.0, 3.0, "refractive index n")
+        in_range(self.specular_scale, 0.0, 1e6, "specular_scale")
+        one_of(self.masking, MASKINGS, "masking")
+
+    @classmethod
+    def from_beta(
+        cls, beta: float, gamma: float, n: float = 1.4, masking: str = "v-cavity"
+    ) -> TorranceSparrow:
+        """Return the surface with the weight β of eq. (10) given itself. [1], ≥ 0"""
+        in_range(gamma, 1e-4, np.pi / 2, "gamma", "rad")
+        return cls(gamma, n, beta / physical_beta(gamma), masking)
+
+    @property
+    def beta(self) -> float:
+        """The weight β of eq. (10). [1]"""
+        return self.specular_scale * physical_beta(self.gamma)
+
+    def evaluate(self, normals: ArrayLike, light: ArrayLike, view: ArrayLike) -> Array:
+        """Return β D F G/(N·V): specular radiance over that of the lit diffuser.
+
+        Parameters
+        ----------
+        normals, light, view : (..., 3) array_like
+            Unit vectors from the surface: its normal, towards light and viewer;
+            broadcast together.
+
+        Returns
+        -------
+        specular : (...) ndarray of float64
+            To be multiplied by E(λ), the radiance of the perfect diffuser lit at
+            normal incidence. 0 where the light is behind the surface. [1]
+
+        Notes
+        -----
+        G/(N·V) is one expression, finite unless light and viewer both graze. A
+        normal that faces away from the viewer, as interpolated normals do at
+        silhouettes, counts as N·V = 0.001.
+        """
+        N, L, V = (np.asarray(x, dtype=np.float64) for x in (normals, light, view))
+        half, cos_facet = _halfway(L, V)
+        NL, NV, NH = (_dot(N, x) for x in (L, V, half))
+        lit = NL > 0
+        NV = np.maximum(NV, _SMALLEST_COSINE)
+        facets = facet_distribution(N, half, self.gamma)
+        fresnel = fresnel_reflectance(cos_facet, self.n)
+        spread = self._masked(NH, NV, np.where(lit, NL, 1.0), cos_facet)
+        return np.where(lit, self.beta * facets * fresnel * spread, 0.0)
+
+    def _masked(self, NH: Array, NV: Array, NL: Array, VH: Array) -> Array:
+        """Return G/(N·V), or 1/(N·V) without masking."""
+        if self.masking == "none":
+            return 1 / NV
+        # Light from exactly behind the viewer's back side has no halfway vector.
+        VH = np.maximum(VH, 1e-12)
+        return np.minimum(
+            np.minimum(1 / NV, 2 * np.maximum(NH, 0) / VH),
+            2 * np.maximum(NH, 0) * NL / (VH * NV),
+        )
+
+
+def facet_distribution(normals: Array, half: Array, gamma: float) -> Array:
+    """Return Torrance–Sparrow's Gaussian D = exp(−ln 2 (φ/γ)²) of the facet angle φ.
+
+    φ comes from the sine and the cosine together, accurate at small angles.
+    """
+    sine = np.linalg.norm(np.cross(normals, half), axis=-1)
+    angle = np.arctan2(sine, _dot(normals, half))
+    with np.errstate(under="ignore"):
+        return np.asarray(np.exp(-_LN2 * np.square(angle / gamma)))
+
+
+def physical_beta(gamma: float) -> float:
+    """Return β₁ = π/(4 ∫ D cos θ dω), at which facets cover the surface once. [1]
+
+    With masking, the specular albedo is then at most 1 for every F and angle.
+    """
+    # In units of γ the integrand is smooth whatever γ is; D < 1e-27 beyond 9.5 γ.
+    end = min(np.pi / 2 / gamma, 9.5)
+    nodes, weights = np.polynomial.legendre.leggauss(80)
+    t = (nodes + 1) * end / 2
+    integrand = np.exp(-_LN2 * t**2) * np.sin(2 * gamma * t)
+    # 2π ∫ D sin θ cos θ dθ = π γ ∫ D sin 2θ dt
+    covered = np.pi * gamma * float(weights @ integrand) * end / 2
+    return float(np.pi / (4 * covered))
+
+
+def specular_albedo(
+    surface: TorranceSparrow, highest_angle: float = np.deg2rad(80)
+) -> float:
+    """Return the largest share of light reflected specularly, 0 to ``highest_angle``.
+
+    The hemispherical integral of the BRDF's specular part times the cosine of
+    leaving, light at a fixed angle, by quadrature over the hemisphere. [1]
+    """
+    angles = np.linspace(0.0, highest_angle, 9)
+    # Directions around the halfway vector's Gaussian would be finer; a product rule
+    # on the hemisphere of view is enough for a warning.
+    x, w = np.polynomial.legendre.leggauss(160)
+    theta = (x + 1) * np.pi / 4
+    azimuth = (np.arange(240) + 0.5) * 2 * np.pi / 240
+    view = np.stack(
+        [
+            np.outer(np.sin(theta), np.cos(azimuth)),
+            np.outer(np.sin(theta), np.sin(azimuth)),
+            np.outer(np.cos(theta), np.ones(azimuth.size)),
+        ],
+        axis=-1,
+    )
+    weight = (w * np.pi / 4 * np.sin(theta) * np.cos(theta))[:, None] * (
+        2 * np.pi / azimuth.size
+    )
+    normal = np.array([0.0, 0.0, 1.0])
+    shares = []
+    for angle in angles:
+        light = np.array([np.sin(angle), 0.0, np.cos(angle)])
+        # evaluate() is π f cos(incidence): E is the irradiance over π at normal
+        # incidence, so the share of the flux is its integral over π cos(incidence).
+        total = (surface.evaluate(normal, light, view) * weight).sum()
+        shares.append(total / (np.pi * np.cos(angle)))
+    return float(max(shares))
+
+
+def _halfway(light: Array, view: Array) -> tuple[Array, Array]:
+    """Return the halfway vector H and the cosine V·H at which facets mirror."""
+    total = light + view
+    length = np.linalg.norm(total, axis=-1, keepdims=True)
+    half = np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12)
+    return half, np.clip(length[..., 0] / 2, 0.0, 1.0)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    """Return the scalar product on the last axis."""
+    return np.asarray((a * b).sum(axis=-1))

@@ -1,0 +1,204 @@
+"""Whole figures: hands beside their spectra, body sites side by side."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz._files import whole_file
+from skinviz.render.shade import VertexSpectrum
+from skinviz.skin.fit import SkinFit
+from skinviz.view import panels
+from skinviz.view.offscreen import Picture
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+_STYLE: dict[Any, Any] = {"font.size": 9, "axes.linewidth": 0.7, "legend.fontsize": 8}
+
+
+@dataclass(frozen=True)
+class Site:
+    """A measured body site and its fit."""
+
+    name: str
+    measured: Array
+    fit: SkinFit
+
+
+def hands_figure(
+    pictures: Mapping[str, Picture],
+    site: Site,
+    point: Array,
+    spectrum: VertexSpectrum,
+    caption: str,
+) -> Figure:
+    """Return hands under several lights beside the spectra behind them.
+
+    Parameters
+    ----------
+    pictures : mapping of str to Picture
+        Title and picture, left to right; all of one view.
+    site : Site
+        The measured spectrum and its fit.
+    point : (3,) ndarray
+        The marked point, drawn in every picture. [mm]
+    spectrum : VertexSpectrum
+        Radiance at the point under the first light.
+    caption : str
+        Printed below: what it is and where the data come from.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(13.2, 6.6), dpi=150)
+        hands = figure.add_gridspec(
+            1,
+            len(pictures),
+            left=0.012,
+            right=0.655,
+            top=0.93,
+            bottom=0.095,
+            wspace=0.02,
+        )
+        for column, (title, picture) in enumerate(pictures.items()):
+            axes = figure.add_subplot(hands[0, column])
+            axes.imshow(picture.rgb, interpolation="antialiased")
+            axes.set_title(title)
+            axes.set_axis_off()
+            at = picture.project(point)
+            axes.plot(*at, "o", ms=9, mfc="none", mec="w", mew=1.6)
+            axes.plot(*at, "o", ms=11, mfc="none", mec="k", mew=0.7)
+            axes.annotate(
+                "P",
+                at,
+                xytext=(9, 7),
+                textcoords="offset points",
+                color="w",
+                fontweight="bold",
+            )
+        sides = figure.add_gridspec(
+            4,
+            1,
+            left=0.72,
+            right=0.985,
+            top=0.93,
+            bottom=0.135,
+            hspace=0.3,
+            height_ratios=(1.5, 0.8, 0.12, 1.2),  # the third is a gap
+        )
+        first = figure.add_subplot(sides[0])
+        panels.reflectance_panel(first, site.measured, site.fit)
+        first.set_title(f"{site.name}: measured and fitted")
+        first.text(
+            0.97,
+            0.05,
+            panels.weights_text(site.fit),
+            transform=first.transAxes,
+            ha="right",
+            va="bottom",
+            fontsize=7.5,
+        )
+        second = figure.add_subplot(sides[1])
+        panels.residual_panel(second, site.measured, site.fit)
+        second.set_title(
+            f"SSE × 61/{int(site.fit.n_bands)} = "
+            f"{float(site.fit.sse) * 61 / int(site.fit.n_bands):.4f},   "
+            f"RMSE {float(site.fit.rmse):.4f},   "
+            rf"$\Delta E_{{00}}$ {float(site.fit.delta_e):.2f}",
+            fontsize=8.5,
+        )
+        third = figure.add_subplot(sides[3])
+        panels.radiance_panel(third, spectrum)
+        third.set_title(f"radiance at P, {next(iter(pictures))}")
+        figure.align_ylabels([first, second, third])
+        figure.text(0.012, 0.028, caption, fontsize=7.5, color="0.35", va="center")
+    return figure
+
+
+def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:
+    """Return one column a body site: spectra, residual and colour, as in fig. 7.
+
+    Parameters
+    ----------
+    sites : sequence of Site
+        Measured spectra and their fits.
+    title, caption : str
+        Printed above and below.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(3.6 * len(sites), 6.6), dpi=150)
+        grid = figure.add_gridspec(
+            4,
+            len(sites),
+            left=0.05,
+            right=0.99,
+            top=0.87,
+            bottom=0.09,
+            hspace=0.25,
+            wspace=0.28,
+            height_ratios=(1.9, 0.9, 0.12, 0.4),  # the third is a gap
+        )
+        top = 1.25 * max(float(np.nanmax(site.measured)) for site in sites)
+        spread = 1.15 * max(
+            float(np.nanmax(np.abs(site.measured - site.fit.fitted))) for site in sites
+        )
+        for column, site in enumerate(sites):
+            curves = figure.add_subplot(grid[0, column])
+            panels.reflectance_panel(curves, site.measured, site.fit)
+            curves.set_ylim(0, top)
+            curves.set_title(site.name)
+            curves.text(
+                0.97,
+                0.04,
+                panels.weights_text(site.fit),
+                transform=curves.transAxes,
+                ha="right",
+                va="bottom",
+                fontsize=7,
+            )
+            residual = figure.add_subplot(grid[1, column])
+            panels.residual_panel(residual, site.measured, site.fit)
+            residual.set_ylim(-spread, spread)
+            n_bands = int(site.fit.n_bands)
+            residual.set_title(
+                f"SSE × 61/{n_bands} = {float(site.fit.sse) * 61 / n_bands:.4f}",
+                fontsize=8.5,
+            )
+            _swatches(figure.add_subplot(grid[3, column]), site)
+        figure.suptitle(title, fontsize=11, y=0.965)
+        figure.text(0.05, 0.018, caption, fontsize=7.5, color="0.35", va="center")
+    return figure
+
+
+def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Write a figure whole or not at all; PNG carries no time stamp."""
+    file = Path(path)
+    with whole_file(file) as partial:
+        figure.savefig(partial, metadata={"Software": None})
+    return file
+
+
+def _swatches(axes: Axes, site: Site) -> None:
+    """Draw the measured and the fitted colour edge to edge."""
+    measured, fitted = panels.swatch_colours(site.fit, site.measured)
+    axes.imshow([[measured, fitted]], aspect="auto", extent=(0, 2, 0, 1))
+    axes.set_xticks([0.5, 1.5], ["measured", "fitted"])
+    axes.set_yticks([])
+    axes.tick_params(length=0)
+    axes.set_title(
+        rf"D65, $\Delta E_{{00}}$ {float(site.fit.delta_e):.2f}", fontsize=8.5
+    )
