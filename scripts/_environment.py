@@ -21,7 +21,7 @@ SYSTEM = ROOT / "skinviz" / "_system.py"
 
 def ready_python(*extras: str) -> Path:
     """Return the environment's Python with skinviz and its extras installed."""
-    if sys.version_info < (3, 11):
+    if sys.version_info < (3, 11):  # noqa: UP036 - this runs before pip checks it
         sys.exit(
             f"skinviz needs Python 3.11 or newer; this is {sys.version.split()[0]}"
         )

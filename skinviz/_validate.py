@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, SupportsFloat
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,6 +49,8 @@ def as_spectra(
 
 def in_range(value: float, low: float, high: float, name: str, unit: str = "") -> float:
     """Return a float within ``[low, high]`` or say what was expected."""
+    if isinstance(value, bool | str) or not isinstance(value, SupportsFloat):
+        raise ArgumentError(f"{name} must be a number; got {value!r}")
     number = float(value)
     if not low <= number <= high:
         raise ArgumentError(

@@ -12,6 +12,7 @@ from skinviz.cli.output import progress_bar, say, say_files, say_json, write_jso
 
 def clean(
     raw: Path,
+    /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     unit: str | None = None,

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 def fit(
     file: Path,
+    /,
     *,
     site: str | None = None,
     thickness: tuple[float, float] | None = None,

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from skinviz.scene.scene import Scene
 
 
-def info(file: Path, *, unit: str | None = None, json: bool = False) -> None:
+def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
     """Say what a scene or a scan holds and what will be computed.
 
     Example: skinviz info scene.toml

@@ -12,6 +12,7 @@ from skinviz.cli.output import progress_bar, say, say_files, say_json
 
 def render(
     scene: Path,
+    /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     mesh: Path | None = None,

@@ -12,6 +12,7 @@ from skinviz.cli.output import progress_bar, say_files, say_json
 
 def simulate_scan(
     mesh: Path,
+    /,
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     unit: str | None = None,

@@ -21,15 +21,45 @@ from skinviz.skin.report import FIT_FORMAT
 from skinviz.spectra.archives import load_archive
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 
-_TABLES: dict[str, set[str]] = {
-    "mesh": {"path", "unit"},
+_TEXT, _NUMBER, _NUMBERS, _COUNT = "text", "a number", "a list of numbers", "a count"
+_WORD_OR_NUMBER = "text or a number"
+
+_TABLES = {
+    "mesh": {"path": _TEXT, "unit": _TEXT},
     "skin": {
-        *("model", "site", "thickness", "specular", "coefficients"),
-        *("weights", "fit", "record", "archive", "origin", "subject"),
+        "model": _TEXT,
+        "site": _TEXT,
+        "thickness": _NUMBERS,
+        "specular": _WORD_OR_NUMBER,
+        "coefficients": _TEXT,
+        "weights": _NUMBERS,
+        "fit": _TEXT,
+        "record": _COUNT,
+        "archive": _TEXT,
+        "origin": _TEXT,
+        "subject": _TEXT,
     },
-    "surface": {"gamma", "n", "specular_scale", "beta", "masking"},
-    "lights": {"illuminant", "direction", "angle", "strength"},
-    "view": {"angles", "direction", "up", "size", "exposure", "observer"},
+    "surface": {
+        "gamma": _NUMBER,
+        "n": _NUMBER,
+        "specular_scale": _NUMBER,
+        "beta": _NUMBER,
+        "masking": _TEXT,
+    },
+    "lights": {
+        "illuminant": _TEXT,
+        "direction": _NUMBERS,
+        "angle": _NUMBER,
+        "strength": _NUMBER,
+    },
+    "view": {
+        "angles": _TEXT,
+        "direction": _NUMBERS,
+        "up": _NUMBERS,
+        "size": _NUMBERS,
+        "exposure": _NUMBER,
+        "observer": _TEXT,
+    },
 }
 
 
@@ -91,7 +121,7 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
         surface=_surface(content.get("surface", {})),
         lights=tuple(_light(light, frame, light_angle) for light in lights_table),
         camera=_camera(view, frame, view_angle),
-        exposure=_number(view.get("exposure", 1.0), "exposure"),
+        exposure=view.get("exposure", 1.0),
         observer=view.get("observer", "cie1931"),
     )
 
@@ -107,11 +137,28 @@ def _require_known(content: dict[str, Any]) -> None:
         ):
             shape = "[[lights]], once per light" if name == "lights" else f"[{name}]"
             raise DataError(f"write {shape}")
-        for key in {key for row in rows for key in row} - _TABLES[name]:
-            raise DataError(
-                f"unknown key {key!r} in [{name}]; known are "
-                + ", ".join(sorted(_TABLES[name]))
-            )
+        for key, value in (pair for row in rows for pair in row.items()):
+            _require_kind(name, key, value)
+
+
+def _require_kind(table: str, key: str, value: Any) -> None:
+    """Refuse an unknown key, or a value of another kind than the key's."""
+    known = _TABLES[table]
+    if key not in known:
+        raise DataError(
+            f"unknown key {key!r} in [{table}]; known are {', '.join(sorted(known))}"
+        )
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    fits = {
+        _TEXT: isinstance(value, str),
+        _NUMBER: number,
+        _COUNT: number and isinstance(value, int) and value >= 0,
+        _NUMBERS: isinstance(value, list)
+        and all(type(item) in (int, float) for item in value),
+        _WORD_OR_NUMBER: isinstance(value, str) or number,
+    }
+    if not fits[known[key]]:
+        raise DataError(f"{key} in [{table}] must be {known[key]}; got {value!r}")
 
 
 def _skin(table: dict[str, Any], folder: Path) -> Skin:
@@ -206,21 +253,19 @@ def _light(
         direction = table["direction"]
     else:
         assert frame is not None  # noqa: S101 - made whenever a direction is missing
-        degrees = _number(table.get("angle", np.rad2deg(angle)), "angle")
-        direction = frame.direction(np.deg2rad(degrees))
+        own = np.deg2rad(float(table["angle"])) if "angle" in table else angle
+        direction = frame.direction(own)
     return DirectionalLight(
         direction,
-        str(table.get("illuminant", "D65")),
-        _number(table.get("strength", 1.0), "strength"),
+        table.get("illuminant", "D65"),
+        table.get("strength", 1.0),
     )
 
 
 def _camera(table: dict[str, Any], frame: HandFrame | None, angle: float) -> Camera:
     """Return the camera, its direction given or on the other side from the light."""
     size = table.get("size", [1024, 1024])
-    if not (
-        isinstance(size, list) and len(size) == 2 and all(type(n) is int for n in size)
-    ):
+    if len(size) != 2 or not all(type(n) is int for n in size):
         raise DataError(f"size must be [width, height] in pixels; got {size!r}")
     if frame is None:
         return Camera(table["direction"], table["up"], tuple(size))
@@ -231,10 +276,10 @@ def _camera(table: dict[str, Any], frame: HandFrame | None, angle: float) -> Cam
     )
 
 
-def _angles(text: Any) -> tuple[float, float]:
+def _angles(text: str) -> tuple[float, float]:
     """Return illumination and viewing angle [rad] from the shorthand "60/60"."""
     try:
-        light, view = (float(part) for part in str(text).split("/"))
+        light, view = (float(part) for part in text.split("/"))
     except ValueError as error:
         raise DataError(
             f'angles must be "illumination/viewing" in degrees, as "60/60"; got '
@@ -243,10 +288,3 @@ def _angles(text: Any) -> tuple[float, float]:
     if not (0 <= light <= 90 and 0 <= view <= 90):
         raise DataError(f"angles must be within 0 to 90 degrees; got {text!r}")
     return float(np.deg2rad(light)), float(np.deg2rad(view))
-
-
-def _number(value: Any, name: str) -> float:
-    """Return a TOML number as float."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise DataError(f"{name} must be a number; got {value!r}")
-    return float(value)
