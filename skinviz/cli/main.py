@@ -8,33 +8,39 @@ from collections.abc import Sequence
 import cyclopts
 
 from skinviz import __version__
+from skinviz.cli.clean import clean
+from skinviz.cli.demo import demo
+from skinviz.cli.fit import fit
+from skinviz.cli.info import info
+from skinviz.cli.render import render
+from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.errors import SkinvizError
 
 VERBS = {
-    "demo": "The main job on the data that comes with skinviz.",
-    "clean": "Make a clean hand mesh from a raw range scan.",
-    "simulate-scan": "Scan a known shape with a simulated laser scanner.",
-    "fit": "Fit pigment weights to measured skin spectra.",
-    "render": "Draw a scene in spectrally computed colour.",
-    "info": "Say what a scene or a scan holds and what will be computed.",
+    "demo": demo,
+    "clean": clean,
+    "simulate-scan": simulate_scan,
+    "fit": fit,
+    "render": render,
+    "info": info,
 }
+"""The verbs; their modules load heavy libraries only when they are called."""
 
 DONE, FAILED, MISUSED = 0, 1, 2
 
 
 def make_app() -> cyclopts.App:
-    """Return the program with its verbs, each loaded when it is called."""
+    """Return the program with its verbs."""
     app = cyclopts.App(
         name="skinviz",
         help="What skin is made of, and what it looks like.",
         version=__version__,
         help_format="plaintext",
-        # Help for a verb's options comes from its function; the list does not.
+        default_parameter=cyclopts.Parameter(negative=""),
         result_action="return_value",
     )
-    for verb, summary in VERBS.items():
-        function = verb.replace("-", "_")
-        app.command(f"skinviz.cli.{function}:{function}", name=verb, help=summary)
+    for verb, function in VERBS.items():
+        app.command(function, name=verb)
     return app
 
 
