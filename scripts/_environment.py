@@ -115,5 +115,8 @@ def _apt_install(packages: list[str], what: str) -> None:
     print(f"installing {what}: {' '.join(line)}", flush=True)
     quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
     for command in (["apt-get", "update", "-qq"], [*line[:2], "-qq", *line[2:]]):
-        if subprocess.run(command, env=quiet, check=False).returncode:
-            sys.exit(f"'{' '.join(command)}' failed; see its message above")
+        done = subprocess.run(
+            command, env=quiet, capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            sys.exit(f"'{' '.join(command)}' failed:\n{done.stderr.strip()}")

@@ -13,6 +13,8 @@ from skinviz.cli.output import progress_bar, say, say_files, say_json, write_jso
 if TYPE_CHECKING:
     from skinviz.skin.fit import SkinFit
 
+_PLOTTED = 4  # spectra in a plot: more would be too small to read
+
 
 def fit(
     file: Path,
@@ -102,7 +104,7 @@ def fit(
                 else _write_csv(out, result)
             )
         if plot is not None:
-            files.append(_write_plot(plot, spectra, chosen, labels))
+            files.append(_write_plot(plot, spectra, found, labels))
     if json:
         say_json({**result, "files": [str(path) for path in files]})
     else:
@@ -146,28 +148,34 @@ def _write_csv(path: Path, result: dict[str, Any]) -> Path:
         partial.open("w", newline="", encoding="utf-8") as text,
     ):
         rows = csv.writer(text, lineterminator="\n")
-        weights = list(result["fits"][0]["parameters"])
-        plain = [key for key in result["fits"][0] if key != "parameters"]
-        sides = ("value", "lower", "upper")
-        rows.writerow([*plain, *(f"{w}_{side}" for w in weights for side in sides)])
-        for entry in result["fits"]:
-            numbers = [entry["parameters"][w][side] for w in weights for side in sides]
-            rows.writerow([*(entry[key] for key in plain), *numbers])
+        records = [_flat(entry) for entry in result["fits"]]
+        rows.writerow(records[0])
+        rows.writerows(record.values() for record in records)
     return path
 
 
-def _write_plot(path: Path, spectra: Any, model: Any, labels: list[str]) -> Path:
+def _flat(entry: dict[str, Any]) -> dict[str, Any]:
+    """Return a fit's data with one column a number; None becomes an empty cell."""
+    flat: dict[str, Any] = {}
+    for key, value in {**entry, **entry["parameters"]}.items():
+        if key == "parameters":
+            continue
+        if isinstance(value, dict):
+            flat |= {f"{key}_{side}": number for side, number in value.items()}
+        else:
+            flat[key] = value
+    return flat
+
+
+def _write_plot(path: Path, spectra: Any, found: SkinFit, labels: list[str]) -> Path:
     """Draw the first spectra with their fits and residuals."""
-    from skinviz.skin.fit import fit_skin
     from skinviz.view.figures import Site, save_figure, sites_figure
 
-    sites = []
-    for i, label in enumerate(labels[:4]):
-        found = fit_skin(
-            spectra.reflectance.values[i], spectra.wavelength.values, model
-        )
-        measured = spectra.reflectance.sel(wavelength=found.wavelengths).values[i]
-        sites.append(Site(label, measured, found))
-    title = f"{model.name} model, {model.coefficients.name} coefficients"
-    caption = f"specular {model.specular}; {spectra.attrs['source']}"
+    measured = spectra.reflectance.sel(wavelength=found.wavelengths).values
+    sites = [
+        Site(label, measured[i], found[i]) for i, label in enumerate(labels[:_PLOTTED])
+    ]
+    described = found.model.description
+    title = f"{described['model']} model, {described['coefficients']} coefficients"
+    caption = f"specular {found.model.specular}; {spectra.attrs['source']}"
     return save_figure(sites_figure(sites, title, caption), path)

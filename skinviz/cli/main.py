@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import cyclopts
 
@@ -16,7 +16,7 @@ from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.errors import SkinvizError
 
-VERBS = {
+VERBS: dict[str, Callable[..., None]] = {
     "demo": demo,
     "clean": clean,
     "simulate-scan": simulate_scan,

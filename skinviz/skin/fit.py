@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ STATUSES = ("converged", "at_bound", "not_converged", "refused")
 
 _COVERED = (400.0, 700.0)  # nm that the data must span
 _HIGHEST = 1.5  # above this it is no reflectance, however glossy
+_NO_BLOOD = 1e-300  # keeps a quotient of zeros finite
 _CHUNK = 4096  # spectra solved at once, which bounds the memory
 
 
@@ -86,14 +88,36 @@ class SkinFit:
     @property
     def blood_fraction(self) -> Array:
         """w_h + w_dh, the effective blood fraction of the dermis. [1]"""
-        return self._value("w_h") + self._value("w_dh")
+        return self._of(self.values, "w_h") + self._of(self.values, "w_dh")
 
     @property
     def oxygen_saturation(self) -> Array:
         """w_h/(w_h + w_dh); NaN where no blood was found. [1]"""
         blood = self.blood_fraction
-        empty = ~(blood > 0)
-        return np.where(empty, np.nan, self._value("w_h") / np.where(empty, 1, blood))
+        share = self._of(self.values, "w_h") / np.where(blood == 0, 1.0, blood)
+        return np.where(blood == 0, np.nan, share)
+
+    @property
+    def oxygen_saturation_interval(self) -> Array:
+        """Bounds (..., 2) of the oxygen saturation; 0 to 1 where no blood was found.
+
+        From the ends of the intervals of w_h and w_dh: the data trade the one for
+        the other, so they err in opposite directions. [1]
+        """
+        oxy, deoxy = (self._of(self.interval, name) for name in ("w_h", "w_dh"))
+        low = oxy[..., 0] / np.maximum(oxy[..., 0] + deoxy[..., 1], _NO_BLOOD)
+        high = oxy[..., 1] / np.maximum(oxy[..., 1] + deoxy[..., 0], _NO_BLOOD)
+        empty = self.blood_fraction == 0
+        return np.stack([np.where(empty, 0, low), np.where(empty, 1, high)], axis=-1)
+
+    def __getitem__(self, index: Any) -> SkinFit:
+        """Return the fit of some spectra of the batch, indexed as an array is."""
+        arrays: dict[str, Any] = {
+            field.name: np.asarray(getattr(self, field.name)[index])
+            for field in dataclasses.fields(self)
+            if field.name not in ("model", "wavelengths", "parameters")
+        }
+        return dataclasses.replace(self, **arrays)
 
     def raise_for_status(self) -> None:
         """Raise if any spectrum's fit did not converge or was refused.
@@ -144,11 +168,12 @@ class SkinFit:
             attrs={"model": self.model.name, "specular": str(self.model.specular)},
         )
 
-    def _value(self, name: str) -> Array:
-        """Return one parameter's estimates (...)."""
+    def _of(self, table: Array, name: str) -> Array:
+        """Return a parameter's part of a table with the parameters after the batch."""
         if name not in self.parameters:
             raise ArgumentError(f"the {self.model.name} model has no parameter {name}")
-        return np.asarray(self.values[..., self.parameters.index(name)])
+        index = self.parameters.index(name)
+        return np.asarray(np.take(table, index, axis=self.values.ndim - 1))
 
 
 def fit_skin(

@@ -31,6 +31,7 @@ def fit_to_dict(fit: SkinFit, labels: Sequence[str]) -> dict[str, Any]:
     """
     table = fit.to_xarray()
     saturation, blood = fit.oxygen_saturation.ravel(), fit.blood_fraction.ravel()
+    low, high = fit.oxygen_saturation_interval.reshape(-1, 2).T
     records = []
     for i, label in enumerate(labels):
         row = table.isel(record=i)
@@ -48,7 +49,11 @@ def fit_to_dict(fit: SkinFit, labels: Sequence[str]) -> dict[str, Any]:
                 "label": str(label),
                 "status": str(row.status.item()),
                 "parameters": weights,
-                "oxygen_saturation": _plain(saturation[i]),
+                "oxygen_saturation": {
+                    "value": _plain(saturation[i]),
+                    "lower": _plain(low[i]),
+                    "upper": _plain(high[i]),
+                },
                 "blood_fraction": _plain(blood[i]),
                 "n_bands": n_bands,
                 "sse": _plain(row.sse),
