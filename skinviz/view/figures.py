@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._files import whole_file
+from skinviz._validate import one_of
 from skinviz.render.shade import VertexSpectrum
 from skinviz.skin.fit import SkinFit
 from skinviz.view import panels
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+_TIME_STAMPS = {".png": "Software", ".svg": "Date", ".pdf": "CreationDate"}
 _STYLE: dict[Any, Any] = {"font.size": 9, "axes.linewidth": 0.7, "legend.fontsize": 8}
 
 
@@ -100,15 +102,6 @@ def hands_figure(
         first = figure.add_subplot(sides[0])
         panels.reflectance_panel(first, site.measured, site.fit)
         first.set_title(f"{site.name}: measured and fitted")
-        first.text(
-            0.97,
-            0.05,
-            panels.weights_text(site.fit),
-            transform=first.transAxes,
-            ha="right",
-            va="bottom",
-            fontsize=7.5,
-        )
         second = figure.add_subplot(sides[1])
         panels.residual_panel(second, site.measured, site.fit)
         second.set_title(
@@ -140,19 +133,20 @@ def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:
     from matplotlib.figure import Figure
 
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(3.6 * len(sites), 6.6), dpi=150)
+        width = 0.9 + 3.5 * len(sites)
+        figure = Figure(figsize=(width, 6.6), dpi=150)
         grid = figure.add_gridspec(
             4,
             len(sites),
-            left=0.05,
-            right=0.99,
+            left=0.85 / width,
+            right=1 - 0.25 / width,
             top=0.87,
             bottom=0.09,
             hspace=0.25,
             wspace=0.28,
             height_ratios=(1.9, 0.9, 0.12, 0.4),  # the third is a gap
         )
-        top = 1.25 * max(float(np.nanmax(site.measured)) for site in sites)
+        top = 1.35 * max(float(np.nanmax(site.measured)) for site in sites)
         spread = 1.15 * max(
             float(np.nanmax(np.abs(site.measured - site.fit.fitted))) for site in sites
         )
@@ -161,15 +155,6 @@ def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:
             panels.reflectance_panel(curves, site.measured, site.fit)
             curves.set_ylim(0, top)
             curves.set_title(site.name)
-            curves.text(
-                0.97,
-                0.04,
-                panels.weights_text(site.fit),
-                transform=curves.transAxes,
-                ha="right",
-                va="bottom",
-                fontsize=7,
-            )
             residual = figure.add_subplot(grid[1, column])
             panels.residual_panel(residual, site.measured, site.fit)
             residual.set_ylim(-spread, spread)
@@ -180,15 +165,18 @@ def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:
             )
             _swatches(figure.add_subplot(grid[3, column]), site)
         figure.suptitle(title, fontsize=11, y=0.965)
-        figure.text(0.05, 0.018, caption, fontsize=7.5, color="0.35", va="center")
+        figure.text(
+            0.1 / width, 0.018, caption, fontsize=7.5, color="0.35", va="center"
+        )
     return figure
 
 
 def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
-    """Write a figure whole or not at all; PNG carries no time stamp."""
+    """Write a figure as PNG, SVG or PDF, whole or not at all, with no time stamp."""
     file = Path(path)
+    suffix = one_of(file.suffix.lower(), _TIME_STAMPS, "suffix of a figure")
     with whole_file(file) as partial:
-        figure.savefig(partial, metadata={"Software": None})
+        figure.savefig(partial, metadata={_TIME_STAMPS[suffix]: None})
     return file
 
 

@@ -33,8 +33,18 @@ def reflectance_panel(axes: Axes, measured: Array, fit: SkinFit) -> None:
     axes.plot(fit.wavelengths, measured, "o", ms=3, color=MEASURED, label="measured")
     axes.plot(fit.wavelengths, fit.fitted, "-", lw=1.4, color=FITTED, label="fitted")
     axes.set_ylabel("reflectance")
-    axes.set_ylim(0, None)
-    axes.legend(loc="upper left", frameon=False)
+    # Skin is dark in the blue: the upper left stays free for words.
+    axes.set_ylim(0, 1.35 * float(np.nanmax([measured, fit.fitted])) or 1.0)
+    axes.legend(loc="upper left", frameon=False, ncols=2, columnspacing=1.2)
+    axes.annotate(
+        weights_text(fit),
+        (0, 1),
+        xytext=(9, -22),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        va="top",
+        fontsize=7.5,
+    )
     wavelength_axis(axes, labelled=False)
 
 
