@@ -9,6 +9,7 @@ aligned one after another. The first view keeps its pose.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,12 +109,12 @@ def align_patches(
     ----------
     .. [1] Y. Chen and G. Medioni, Image Vision Comput. 10:145 (1992).
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     if len(patches) == 1:
         zero = np.zeros(1)
         return Alignment(poses, zero, 0.0, zero, 0)
-    trees = [cKDTree(patch.points) for patch in patches]
+    trees = [KDTree(patch.points) for patch in patches]
     # Evenly spaced samples make the result independent of any random state.
     picks = [
         np.linspace(0, len(p.points) - 1, min(samples, len(p.points))).astype(int)
@@ -121,7 +122,9 @@ def align_patches(
     ]
     centres = [patch.points.mean(axis=0) for patch in patches]
     start = poses
-    scale, residual, distance = reach / 3, np.inf, reach
+    # Partners can be no nearer than the samples are apart, however good the poses.
+    nearest = 2 * max(_spacing(tree) for tree in trees)
+    scale, residual, distance = reach / 3, np.inf, max(reach, nearest)
     iterations = 0
     while iterations < max_iterations:
         iterations += 1
@@ -131,7 +134,7 @@ def align_patches(
         start_of_round = poses
         poses = tuple(map(_compose, step, poses))
         scale = max(1.5 * residual, 1e-6)
-        distance = float(np.clip(6 * residual, 1e-3, distance))
+        distance = float(np.clip(6 * residual, nearest, distance))
         if max(map(_shift, start_of_round, poses, centres)) < _SETTLED:
             break
     pairs = _match(patches, trees, picks, poses, distance)
@@ -160,7 +163,7 @@ class _Pairs:
 
 def _match(
     patches: tuple[Patch, ...],
-    trees: list,  # type: ignore[type-arg]
+    trees: list[Any],  # scipy types a KDTree by its box's size
     picks: list[NDArray[np.int_]],
     poses: tuple[Pose, ...],
     distance: float,
@@ -234,6 +237,12 @@ def _solve(
     # Translations are about the common centre; carry them to the origin.
     twists[:, 3:] -= np.cross(twists[:, :3], centre)
     return twists, float(np.sqrt(total / count))
+
+
+def _spacing(tree: Any) -> float:
+    """Return the median distance of points to their nearest neighbour. [mm]"""
+    gaps, _ = tree.query(tree.data[:: max(1, tree.n // 2000)], k=2)
+    return float(np.median(gaps[:, 1]))
 
 
 def _shift(old: Pose, new: Pose, point: NDArray[np.float64]) -> float:

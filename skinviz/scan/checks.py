@@ -32,6 +32,11 @@ def require_triangles(mesh: pyvista.PolyData, source: str) -> tuple[Points, Face
             )
         mesh = triangles
     points, faces = topology.arrays(mesh)
+    if faces.min() < 0 or faces.max() >= len(points):
+        raise MeshError(
+            f"{source}: a face names point {faces.max()} of {len(points)}; the file is "
+            "broken"
+        )
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         raise MeshError(

@@ -43,6 +43,7 @@ STEPS = (
 )
 """Names of the steps, in their order; a mesh without views starts at "repair"."""
 
+_MOST_UNMEASURED = 0.25  # of the merged surface, its cap at the wrist included
 _SMALLEST_WRIST = 200.0  # mm²; the opening of a child's wrist is above 1000
 
 
@@ -162,6 +163,9 @@ def clean_scan(
     other hole is closed.
     """
     in_range(edge_length, 0.05, 20, "edge_length", "mm")
+    in_range(max_incidence, 0.1, np.pi / 2, "max_incidence", "rad")
+    in_range(min_island, 0, 1e9, "min_island")
+    in_range(timeout, 1e-3, 1e6, "timeout", "s")
     recorder = _Recorder(progress or (lambda _: None))
     if scan.views:
         points, faces = _merge_views(
@@ -236,6 +240,12 @@ def _merge_views(
         float(topology.face_areas(merged.points, merged.faces[r]).sum())
         for r in regions
     ]
+    whole = float(topology.face_areas(merged.points, merged.faces).sum())
+    if sum(areas) > _MOST_UNMEASURED * whole:
+        raise MeshError(
+            f"{scan.source or 'scan'}: {sum(areas) / whole:.0%} of the surface was "
+            "never measured; scan the hand from all around"
+        )
     opened = bool(areas) and areas[0] >= _SMALLEST_WRIST
     out_points, out_faces = merged.points, merged.faces
     if opened:
@@ -341,7 +351,7 @@ def _remesh(
     remesh = Filter(
         "meshing_isotropic_explicit_remeshing",
         {
-            "iterations": 6,
+            "iterations": 4,
             "targetlen": {"length": edge_length},
             "maxsurfdist": {"length": edge_length / 4},
         },

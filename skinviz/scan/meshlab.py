@@ -115,7 +115,7 @@ def run_filters(
                 f"pymeshlab ({names}) took longer than {timeout:g} s and was "
                 "stopped; give it a coarser edge length or more time"
             ) from error
-        if done.returncode != 0:
+        if done.returncode != 0 or not (job / "outputs.json").exists():
             raise MeshError(_failure(names, done.returncode, done.stderr))
         with np.load(job / "output.npz") as result:
             out_points = result["points"].astype(np.float64)

@@ -17,6 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinviz._validate import in_range, unit_vector
 from skinviz.errors import ArgumentError
+from skinviz.scan import topology
+from skinviz.scan.checks import require_triangles
 from skinviz.scan.scan import RangeView, Scan
 
 if TYPE_CHECKING:
@@ -133,10 +135,11 @@ def simulate_scan(
         Views in their own frames with the poses that the scanner believes; the
         first pose is exact, so the scan keeps the true shape's frame.
     """
-    caster = _Caster(np.asarray(mesh.points, dtype=np.float64), mesh.regular_faces)
+    points, faces = require_triangles(mesh, "the true shape")
+    caster = _Caster(points, faces)
     views = []
     for i, direction in enumerate(np.atleast_2d(np.asarray(directions))):
-        frame = _sensor_frame(unit_vector(direction, "direction"), mesh)
+        frame = _sensor_frame(unit_vector(direction, "direction"), caster.origin)
         points = _one_view(caster, frame, scanner, rng)
         believed = frame if i == 0 else _perturbed(frame, scanner, rng)
         views.append(RangeView(f"view_{i:02d}", points, believed))
@@ -146,9 +149,7 @@ def simulate_scan(
 class _Caster:
     """Embree's nearest-hit and occlusion queries on one mesh, parallel rays."""
 
-    def __init__(
-        self, vertices: NDArray[np.float64], faces: NDArray[np.integer]
-    ) -> None:
+    def __init__(self, vertices: NDArray[np.float64], faces: topology.Faces) -> None:
         from embreex.mesh_construction import TriangleMesh
         from embreex.rtcore_scene import EmbreeScene
 
@@ -163,9 +164,10 @@ class _Caster:
             self.vertices.astype(np.float32),
             np.ascontiguousarray(faces, dtype=np.int32),
         )
-        corners = self.vertices[faces]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        self.normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        vectors = topology.face_vectors(self.vertices, faces)
+        length = np.linalg.norm(vectors, axis=1, keepdims=True)
+        zero = np.zeros_like(vectors)
+        self.normals = np.divide(vectors, length, out=zero, where=length > 0)
 
     def hits(
         self, origins: NDArray[np.float64], direction: NDArray[np.float64]
@@ -180,14 +182,14 @@ class _Caster:
 
 
 def _sensor_frame(
-    towards: NDArray[np.float64], mesh: pyvista.PolyData
+    towards: NDArray[np.float64], origin: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the sensor's pose: z towards it, origin at the mesh's centre."""
+    """Return the sensor's pose: z towards it, at the given origin."""
     helper = np.eye(3)[np.argmin(np.abs(towards))]
     x = unit_vector(np.cross(helper, towards), "sensor x axis")
     frame = np.eye(4)
     frame[:3, :3] = np.column_stack([x, np.cross(towards, x), towards])
-    frame[:3, 3] = np.asarray(mesh.points, dtype=np.float64).mean(axis=0)
+    frame[:3, 3] = origin
     return frame
 
 

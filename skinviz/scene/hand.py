@@ -73,10 +73,15 @@ def hand_frame(mesh: pyvista.PolyData) -> HandFrame:
             "is unknown; give the view's and the lights' directions instead of angles"
         )
     wrist = points[loops[0]].mean(axis=0)
-    centred = points - points.mean(axis=0)
-    _, axes = np.linalg.eigh(centred.T @ centred)
+    # By area, not by vertex: meshes are often finer at the nails.
+    area = topology.face_areas(points, faces)
+    middles = points[faces].mean(axis=1)
+    centre = np.average(middles, axis=0, weights=area)
+    centred = points - centre
+    spread = middles - centre
+    _, axes = np.linalg.eigh((spread * area[:, None]).T @ spread)
     thin, wide, long = axes.T
-    long = long * np.sign((points.mean(axis=0) - wrist) @ long)
+    long = long * np.sign((centre - wrist) @ long)
     along = (points - wrist) @ long
     across = (points - wrist) @ wide
     depth = centred @ thin

@@ -153,14 +153,15 @@ def layer_slopes(K: Array, S: Array, D: Array) -> LayerSlopes:
         )
     if not infinite.any():
         return LayerSlopes(R_slope, T_slope)
-    with np.errstate(divide="ignore"):
-        spread = total + kappa
-        steep = np.divide(
-            -S * (1 + np.divide(total, kappa)),
-            spread * spread,
-            out=np.zeros_like(spread),
-            where=S > 0,
-        )
+    spread = total + kappa
+    # κ = 0 with S > 0 is K = 0 in an endless layer, where R leaves 1 vertically.
+    growth = np.divide(total, kappa, out=np.full_like(spread, np.inf), where=kappa > 0)
+    steep = np.divide(
+        -S * (1 + np.where(S > 0, growth, 0.0)),
+        spread * spread,
+        out=np.zeros_like(spread),
+        where=S > 0,
+    )
     return LayerSlopes(
         np.where(infinite, steep, R_slope), np.where(infinite, 0.0, T_slope)
     )
@@ -227,7 +228,10 @@ def stack_slopes(
             d_top.reflectance * (1 + (pass_top * base) ** 2)
             + 2 * pass_top * base * d_top.transmittance
         )
-        by_bottom = pass_top**2 * d_base
+        # Where no light comes through the top, an infinite slope below is unseen.
+        by_bottom = np.multiply(
+            pass_top**2, d_base, out=np.zeros_like(gap), where=pass_top > 0
+        )
     return StackSlopes(reflectance, by_top, by_bottom)
 
 

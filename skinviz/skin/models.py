@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from skinviz._validate import one_of
 from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import body_sites, layer_thickness, load_coefficients
@@ -64,8 +66,16 @@ def skin_model(
             "give exactly one of site and thickness; sites are "
             + ", ".join(body_sites())
         )
-    depths = layer_thickness(site) if site is not None else thickness
-    assert depths is not None  # noqa: S101 - narrows the type; checked above
-    return kind(
-        (float(depths[0]), float(depths[1])), load_coefficients(coefficients), specular
-    )
+    depths = layer_thickness(site) if site is not None else _two_depths(thickness)
+    return kind(depths, load_coefficients(coefficients), specular)
+
+
+def _two_depths(thickness: object) -> tuple[float, float]:
+    """Return a given thickness as two numbers or say what was expected."""
+    try:
+        epidermis, dermis = np.asarray(thickness, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(
+            f"thickness must be (epidermis, dermis) in mm; got {thickness!r}"
+        ) from error
+    return float(epidermis), float(dermis)

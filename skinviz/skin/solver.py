@@ -19,7 +19,7 @@ Predict = Callable[[Array], tuple[Array, Array]]
 _MAX_ITERATIONS = 100
 _STEP_TOLERANCE = 1e-8
 _GRADIENT_TOLERANCE = 1e-5
-_NO_COST = 1e-24  # exact data leave only rounding in residuals and gradient
+_EXACT = 1e-7  # relative residual below which the data are met
 _DAMPING = (1e-14, 1e14)
 
 
@@ -122,10 +122,13 @@ def solve(
         working = working[~settled.all(axis=1)]
     gradient, normal = _normal_equations(predicted, jacobian, target, weights)
     held = _held(values, gradient, low, high)
-    # The cosine between the residuals and each column of the Jacobian, squared.
+    # The squared cosine between the residuals and each column of the Jacobian; it
+    # says nothing where the data are met exactly.
     scale = np.einsum("mpp->mp", normal) * cost[:, None]
-    level = held | (gradient**2 <= _GRADIENT_TOLERANCE**2 * scale + _NO_COST)
-    return Solution(values, predicted, jacobian, held, level.all(axis=1))
+    level = held | (gradient**2 <= _GRADIENT_TOLERANCE**2 * scale)
+    met = cost <= _EXACT**2 * (weights * target**2).sum(axis=1)
+    done = level.all(axis=1) | met
+    return Solution(values, predicted, jacobian, held, done)
 
 
 def _cost(predicted: Array, target: Array, weights: Array) -> Array:

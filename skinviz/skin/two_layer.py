@@ -63,10 +63,6 @@ class TwoLayer:
 
     def __post_init__(self) -> None:
         """Refuse a thickness or backing that no skin has."""
-        if len(self.thickness) != 2:
-            raise ArgumentError(
-                f"thickness must be (epidermis, dermis) in mm; got {self.thickness!r}"
-            )
         for depth, tissue in zip(self.thickness, ("epidermis", "dermis"), strict=True):
             if depth not in (0, np.inf):
                 in_range(depth, SMALLEST, LARGEST, f"thickness of the {tissue}", "mm")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,8 @@ def read_ply(path: Path) -> Any:  # plyfile has no types
     import plyfile
 
     try:
-        return plyfile.PlyData.read(path)
+        with warnings.catch_warnings(action="ignore"):  # of empty lists in text files
+            return plyfile.PlyData.read(path)
     except plyfile.PlyParseError as error:
         raise MeshError(f"{path}: not a whole PLY file: {error}") from error
     except (ValueError, KeyError, IndexError, OverflowError, MemoryError) as error:

@@ -56,10 +56,9 @@ def view_from_ply(
     )
     if index.size == 0:
         raise MeshError(f"{path}: the range grid has no return at all")
-    if index.min() < 0 or index.max() >= len(points):
-        raise MeshError(
-            f"{path}: a grid cell names vertex {index.max()} of {len(points)}"
-        )
+    wrong = index[(index < 0) | (index >= len(points))]
+    if wrong.size:
+        raise MeshError(f"{path}: a grid cell names vertex {wrong[0]} of {len(points)}")
     if not np.isfinite(points[index]).all():
         raise MeshError(f"{path}: a return is not finite; remove it from the grid")
     grid = np.full((rows * columns, 3), np.nan)
@@ -76,17 +75,18 @@ def read_conf(path: Path, unit: str | None) -> Scan:
         if not words or words[0] != "bmesh":
             continue  # comments, and the viewer's camera
         where = f"{path} line {number}"
-        if len(words) != 9:
+        name = line.split(maxsplit=1)[-1].rsplit(maxsplit=7)[0]  # may hold spaces
+        if len(words) < 9 or (len(words) > 9 and not (path.parent / name).exists()):
             raise MeshError(
                 f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got "
                 f"{len(words) - 1} values"
             )
-        file = existing_file(path.parent / words[1], MeshError)
+        file = existing_file(path.parent / name, MeshError)
         ply = read_ply(file)
         if not is_range_grid(ply):
             raise MeshError(f"{file}: has no range_grid, which {where} expects")
         scale = scale_to_millimetres(unit or stated_unit(ply), str(file))
-        views.append(view_from_ply(ply, file, unit, _pose(words[2:], scale, where)))
+        views.append(view_from_ply(ply, file, unit, _pose(words[-7:], scale, where)))
     if not views:
         raise MeshError(f"{path}: no 'bmesh' line, so no view to read")
     return Scan(views=tuple(views), source=str(path))
@@ -110,7 +110,18 @@ def write_scan(
     -------
     files : list of Path
         The views' files and, last, the ``.conf``.
+
+    Raises
+    ------
+    MeshError
+        If the scan has no views, or two of one name.
     """
+    names = [view.name for view in scan.views]
+    if not names or len(set(names)) < len(names):
+        raise MeshError(
+            f"{path}: a scan is written as its views, each under its own name; got "
+            f"{names}"
+        )
     from scipy.spatial.transform import Rotation
 
     conf = Path(path)

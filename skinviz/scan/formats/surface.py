@@ -67,7 +67,9 @@ def read_by_trimesh(path: Path, unit: str | None) -> pyvista.PolyData:
             + "; the file is cut short or is no triangle mesh"
         )
     scale = scale_to_millimetres(unit, str(path))
-    mesh = topology.polydata(points * scale, faces)
+    # These formats repeat a point for each triangle or texture seam that has it.
+    points, inverse = np.unique(points, axis=0, return_inverse=True)
+    mesh = topology.polydata(points * scale, inverse.reshape(-1)[faces])
     require_triangles(mesh, str(path))
     return mesh
 
