@@ -20,6 +20,8 @@ def existing_file(path: str | os.PathLike[str], error: type[SkinvizError]) -> Pa
         raise error(f"{file}: is a folder, a file is expected")
     if file.stat().st_size == 0:
         raise error(f"{file}: the file is empty")
+    if not os.access(file, os.R_OK):
+        raise error(f"{file}: may not be read; check its permissions")
     return file
 
 

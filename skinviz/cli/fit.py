@@ -82,7 +82,7 @@ def fit(
             )
         chosen = skin_model(
             model,
-            specular=_word_or_number(str(how)),
+            specular=how,
             site=site,
             thickness=thickness,
             coefficients=coefficients,
@@ -110,14 +110,6 @@ def fit(
     else:
         say(_table(found, labels))
         say_files(files)
-
-
-def _word_or_number(text: str) -> str | float:
-    """Return the number that a text is, or the text."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
 
 
 def _table(found: SkinFit, labels: list[str]) -> str:

@@ -132,7 +132,7 @@ class SkinFit:
             first = tuple(int(i) for i in np.argwhere(failed)[0])
             raise FitError(
                 f"{int(failed.sum())} of {self.status.size} spectra were not fitted; "
-                f"the first, at index {first}, is {self.status[first]!r}"
+                f"the first, at index {first}, is {str(self.status[first])!r}"
             )
 
     def to_xarray(self) -> xarray.Dataset:

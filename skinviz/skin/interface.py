@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._validate import in_range, one_of
+from skinviz.spectra.measurement import EXCLUDED, INCLUDED, as_specular
 
 Array = NDArray[np.float64]
 
@@ -72,14 +72,14 @@ def interface(specular: str | float) -> Interface:
     ----------
     .. [1] J. L. Saunderson, J. Opt. Soc. Am. 32:727 (1942).
     """
-    if isinstance(specular, str):
-        one_of(specular, ("excluded", "included"), "specular (or a number)")
-        if specular == "excluded":
-            return Interface(0.0, 1.0, 0.0)
+    how = as_specular(specular)
+    if how == EXCLUDED:
+        return Interface(0.0, 1.0, 0.0)
+    if how == INCLUDED:
         outside = ((SKIN_INDEX - 1) / (SKIN_INDEX + 1)) ** 2
         inside = diffuse_internal_reflectance(SKIN_INDEX)
         return Interface(outside, (1 - outside) * (1 - inside), inside)
-    return Interface(in_range(specular, 0.0, 0.5, "specular"), 1.0, 0.0)
+    return Interface(float(how), 1.0, 0.0)
 
 
 def diffuse_internal_reflectance(n: float) -> float:

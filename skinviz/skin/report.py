@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from skinviz.errors import ArgumentError
 from skinviz.skin.fit import SkinFit
 
 FIT_FORMAT = "skinviz fit 1"
@@ -29,6 +30,8 @@ def fit_to_dict(fit: SkinFit, labels: Sequence[str]) -> dict[str, Any]:
         The model and, for each spectrum, weights with 95 % intervals and errors.
         ``sse_61`` is the sum of squares scaled to 61 bands, as the paper's.
     """
+    if len(labels) != fit.status.size:
+        raise ArgumentError(f"{len(labels)} labels for {fit.status.size} spectra")
     table = fit.to_xarray()
     saturation, blood = fit.oxygen_saturation.ravel(), fit.blood_fraction.ravel()
     low, high = fit.oxygen_saturation_interval.reshape(-1, 2).T

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Predict = Callable[[Array], tuple[Array, Array]]
 
-_MAX_ITERATIONS = 100
+_MAX_ITERATIONS = 200
 _STEP_TOLERANCE = 1e-8
 _GRADIENT_TOLERANCE = 1e-5
-_EXACT = 1e-7  # relative residual below which the data are met
+_EXACT = 1e-7  # RMS residual below which the data are met; measurements have 1e-4
+_SHOWN = 1e-8  # cosine between a step and the gradient's change
 _DAMPING = (1e-14, 1e14)
 
 
@@ -73,6 +74,9 @@ def solve(
     values = start.copy()
     predicted, jacobian = predict(values)
     m, p = values.shape
+    # The minimum does not depend on the weights' scale; the arithmetic would.
+    largest = weights.max(axis=1, keepdims=True)
+    weights = weights / np.where(largest > 0, largest, 1.0)
     bend = np.zeros((m, p, p))
     cost = _cost(predicted, target, weights)
     damping = np.full(m, 1e-3)
@@ -92,10 +96,16 @@ def solve(
         step = trial - x
         new, new_jacobian = predict(trial)
         new_cost = _cost(new, aim, weight)
+        # Where the model falls vertically no step can start: it may end there only
+        # if the data are met.
+        steep = ~np.isfinite(new_jacobian)
+        stuck = steep.any(axis=(1, 2)) & ~_is_met(new_cost, weight)
+        new_cost = np.where(stuck, np.inf, new_cost)
+        new_jacobian = np.where(steep, 0.0, new_jacobian)
         promised = -_dot(gradient, step) - _quadratic(curvature, step) / 2
-        gain = (cost[working] - new_cost) / 2
         good = new_cost <= cost[working]
-        trust = np.where(good & (promised > 0), gain / np.maximum(promised, 1e-300), 0)
+        gain = np.where(good, cost[working] - new_cost, 0.0) / 2
+        trust = np.where(promised > gain, gain / np.where(promised > 0, promised, 1), 1)
 
         accepted = working[good]
         change = np.einsum(
@@ -126,14 +136,18 @@ def solve(
     # says nothing where the data are met exactly.
     scale = np.einsum("mpp->mp", normal) * cost[:, None]
     level = held | (gradient**2 <= _GRADIENT_TOLERANCE**2 * scale)
-    met = cost <= _EXACT**2 * (weights * target**2).sum(axis=1)
-    done = level.all(axis=1) | met
+    done = level.all(axis=1) | _is_met(cost, weights)
     return Solution(values, predicted, jacobian, held, done)
 
 
 def _cost(predicted: Array, target: Array, weights: Array) -> Array:
     """Return each problem's weighted sum of squares (m,)."""
     return np.asarray((weights * (predicted - target) ** 2).sum(axis=-1))
+
+
+def _is_met(cost: Array, weights: Array) -> NDArray[np.bool_]:
+    """Return whether data (m,) are met as exactly as any measurement could tell."""
+    return np.asarray(cost <= _EXACT**2 * weights.sum(axis=1))
 
 
 def _normal_equations(
@@ -148,7 +162,10 @@ def _normal_equations(
 def _curvature(normal: Array, bend: Array) -> Array:
     """Return the Hessian (m, p, p) with the residuals' bend where that is convex."""
     full = normal + bend
-    convex = np.linalg.eigvalsh(full)[:, 0] > 0
+    scale = np.sqrt(np.einsum("mpp->mp", normal))
+    scale = np.where(scale > 0, scale, 1.0)
+    scaled = full / (scale[:, :, None] * scale[:, None, :])
+    convex = np.linalg.eigvalsh(scaled)[:, 0] > 0
     return np.where(convex[:, None, None], full, normal)
 
 
@@ -167,20 +184,22 @@ def _updated_bend(bend: Array, step: Array, change: Array, pull: Array) -> Array
     known = np.einsum("mpq,mq->mp", bend, step)
     own = np.abs(_dot(step, known))
     size = np.where(
-        own > 0, np.minimum(1, np.abs(_dot(step, change)) / np.maximum(own, 1e-300)), 1
+        own > 0,
+        np.minimum(1, np.abs(_dot(step, change)) / np.where(own > 0, own, 1.0)),
+        1.0,
     )
     bend, known = bend * size[:, None, None], known * size[:, None]
-    usable = along > 0
-    inverse = np.where(usable, 1 / np.where(usable, along, 1.0), 0.0)
-    miss = change - known
-    cross = miss[:, :, None] * pull[:, None, :] * inverse[:, None, None]
-    twice = (_dot(step, miss) * inverse**2)[:, None, None]
-    return np.asarray(
-        bend
-        + cross
-        + cross.transpose(0, 2, 1)
-        - twice * pull[:, :, None] * pull[:, None, :]
-    )
+    # A step too short to show how the gradient turns teaches nothing.
+    shown = along > _SHOWN * np.sqrt(_dot(pull, pull) * _dot(step, step))
+    # Unit vectors along the pull keep powers of small steps from overflowing.
+    length = np.sqrt(_dot(pull, pull))
+    unit = pull / np.where(length > 0, length, 1.0)[:, None]
+    reach = np.where(shown, _dot(unit, step), 1.0)
+    miss = (change - known) / reach[:, None]
+    cross = miss[:, :, None] * unit[:, None, :]
+    twice = (_dot(step, miss) / reach)[:, None, None]
+    update = cross + cross.transpose(0, 2, 1) - twice * unit[:, :, None] * unit[:, None]
+    return np.asarray(np.where(shown[:, None, None], bend + update, bend))
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -164,12 +164,13 @@ def delta_e_2000(lab: ArrayLike, other: ArrayLike) -> Array:
     C1, C2 = np.hypot(a1, b1), np.hypot(a2, b2)
     h1, h2 = np.arctan2(b1, a1) % (2 * np.pi), np.arctan2(b2, a2) % (2 * np.pi)
     grey = (C1 == 0) | (C2 == 0)
-    turn = (h2 - h1 + np.pi) % (2 * np.pi) - np.pi
-    turn = np.where(grey, 0.0, np.where(turn == -np.pi, np.pi, turn))
+    turn = h2 - h1
+    # Rounding must not decide which way round exactly opposite hues differ.
+    apart = np.abs(turn) > np.pi * (1 + 1e-12)
+    turn = np.where(grey, 0.0, np.where(apart, turn - 2 * np.pi * np.sign(turn), turn))
     dL, dC = L2 - L1, C2 - C1
     dH = 2 * np.sqrt(C1 * C2) * np.sin(turn / 2)
     L, C = (L1 + L2) / 2, (C1 + C2) / 2
-    apart = np.abs(h1 - h2) > np.pi
     h = np.where(grey, h1 + h2, (h1 + h2) / 2)
     h = np.where(apart & ~grey, np.where(h < np.pi, h + np.pi, h - np.pi), h)
     T = (

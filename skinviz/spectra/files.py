@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from skinviz._files import existing_file, whole_file
 from skinviz._validate import one_of
 from skinviz.errors import ArgumentError, DataError
+from skinviz.spectra.measurement import as_specular
 
 if TYPE_CHECKING:
     import xarray
@@ -68,9 +69,11 @@ def read_spectra(
     import xarray
 
     attributes: dict[str, str | float] = {"source": str(file)}
-    attributes.update({k: v for k, v in notes.items() if k in ("specular", "geometry")})
-    if specular is not None:
-        attributes["specular"] = specular
+    if "geometry" in notes:
+        attributes["geometry"] = notes["geometry"]
+    how = specular if specular is not None else notes.get("specular")
+    if how is not None:
+        attributes["specular"] = _specular(how, file)
     return xarray.Dataset(
         {"reflectance": (("record", "wavelength"), values * factor, {"units": "1"})},
         coords={
@@ -100,7 +103,13 @@ def write_spectra(path: str | os.PathLike[str], spectra: xarray.Dataset) -> Path
     file = Path(path)
     if file.suffix.lower() != ".csv":
         raise ArgumentError(f"{file}: spectra are written as .csv")
+    if "reflectance" not in spectra or "label" not in spectra.coords:
+        raise ArgumentError(
+            "spectra need reflectance (record, wavelength) and the coordinate label"
+        )
     reflectance = spectra["reflectance"].transpose("wavelength", "record").values
+    if not np.isfinite(reflectance).all():
+        raise ArgumentError("spectra with missing bands cannot be written; drop them")
     with (
         whole_file(file) as partial,
         partial.open("w", newline="", encoding="utf-8") as text,
@@ -111,8 +120,16 @@ def write_spectra(path: str | os.PathLike[str], spectra: xarray.Dataset) -> Path
         rows = csv.writer(text, lineterminator="\n")
         rows.writerow(["wavelength_nm", *(str(x) for x in spectra["label"].values)])
         for nm, row in zip(spectra["wavelength"].values, reflectance, strict=True):
-            rows.writerow([f"{nm:g}", *(f"{value:.9g}" for value in row)])
+            rows.writerow([repr(float(nm)), *(repr(float(value)) for value in row)])
     return file
+
+
+def _specular(value: str | float, file: Path) -> str | float:
+    """Return how the surface was measured, or say in which file it is misspelt."""
+    try:
+        return as_specular(value)
+    except ArgumentError as error:
+        raise DataError(f"{file}: {error}") from error
 
 
 def _rows(file: Path) -> tuple[list[tuple[int, list[str]]], dict[str, str]]:
@@ -121,16 +138,27 @@ def _rows(file: Path) -> tuple[list[tuple[int, list[str]]], dict[str, str]]:
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise DataError(f"{file}: not a text file; spectra are read as CSV") from error
-    notes, rows = {}, []
+    except OSError as error:
+        raise DataError(f"{file}: cannot be read: {error.strerror}") from error
+    notes, lines = {}, []
     for number, line in enumerate(text.splitlines(), start=1):
         if line.startswith("#"):
             key, _, value = line[1:].partition(":")
             notes[key.strip().lower()] = value.strip()
         elif line.strip():
-            mark = next((m for m in ("\t", ";") if m in line), ",")
-            rows.append((number, [cell.strip() for cell in line.split(mark)]))
-    if not rows:
+            lines.append((number, line))
+    if not lines:
         raise DataError(f"{file}: no data, only comments or blank lines")
+    # The mark that splits the last line, all numbers, splits every line.
+    mark = max("\t;,", key=lines[-1][1].count)
+    parsed = csv.reader((line for _, line in lines), delimiter=mark)
+    try:
+        rows = [
+            (number, [cell.strip() for cell in cells])
+            for (number, _), cells in zip(lines, parsed, strict=True)
+        ]
+    except (csv.Error, ValueError) as error:
+        raise DataError(f"{file}: a quotation mark is not closed: {error}") from error
     return rows, notes
 
 
@@ -158,6 +186,7 @@ def _table(
     if not body:
         raise DataError(f"{file}: a header and no data")
     grid = np.array([[_number(c, n, file) for c in cells] for n, cells in body])
+    _require_finite(grid[:, 0], [number for number, _ in body], file)
     return grid[:, 0], labels, np.ascontiguousarray(grid[:, 1:].T)
 
 
@@ -168,6 +197,7 @@ def _table_across(
     header = rows[0][1]
     named = [i for i in range(len(header)) if i not in across]
     wavelengths = np.array([float(header[i]) for i in across])
+    _require_finite(wavelengths, [rows[0][0]] * len(across), file)
     labels = [
         " ".join(cells[i] for i in named if cells[i]) or f"line {number}"
         for number, cells in rows[1:]
@@ -182,7 +212,7 @@ def _is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return True
+    return "_" not in cell  # Python's own spelling, nobody else's
 
 
 def _number(cell: str, line: int, file: Path) -> float:
@@ -193,10 +223,17 @@ def _number(cell: str, line: int, file: Path) -> float:
     return float(cell)
 
 
+def _require_finite(
+    wavelengths: NDArray[np.float64], lines: list[int], file: Path
+) -> None:
+    """Refuse a wavelength that is NaN or infinite, naming its line."""
+    for line, nm in zip(lines, wavelengths, strict=True):
+        if not np.isfinite(nm):
+            raise DataError(f"{file} line {line}: the wavelength is {nm}")
+
+
 def _require_ascending(wavelengths: NDArray[np.float64], file: Path) -> None:
     """Refuse wavelengths that do not ascend or are not in nm."""
-    if not np.isfinite(wavelengths).all():
-        raise DataError(f"{file}: a wavelength is not finite")
     steps = np.flatnonzero(np.diff(wavelengths) <= 0)
     if steps.size:
         i = int(steps[0])
