@@ -12,7 +12,7 @@ from skinviz.errors import ArgumentError
 
 def as_wavelengths(wavelengths: ArrayLike) -> NDArray[np.float64]:
     """Return wavelengths as a 1-D, finite, strictly ascending array [nm]."""
-    values = np.asarray(wavelengths, dtype=np.float64)
+    values = as_numbers(wavelengths, "wavelengths")
     if values.ndim != 1 or values.size == 0:
         raise ArgumentError(
             f"wavelengths must be a 1-D array of at least one value in nm; "
@@ -34,7 +34,7 @@ def as_spectra(
     values: ArrayLike, n_wavelengths: int, name: str, *, nan_allowed: bool = False
 ) -> NDArray[np.float64]:
     """Return values as float64 with the wavelength axis last and of that length."""
-    array = np.asarray(values, dtype=np.float64)
+    array = as_numbers(values, name)
     if array.ndim == 0 or array.shape[-1] != n_wavelengths:
         raise ArgumentError(
             f"{name} must have the {n_wavelengths} wavelengths on its last axis; "
@@ -60,9 +60,17 @@ def in_range(value: float, low: float, high: float, name: str, unit: str = "") -
     return number
 
 
+def as_numbers(value: ArrayLike, name: str) -> NDArray[np.float64]:
+    """Return a float64 array or say what is no number."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ArgumentError(f"{name} must be numbers; got {value!r}") from error
+
+
 def unit_vector(value: ArrayLike, name: str) -> NDArray[np.float64]:
     """Return a 3-vector scaled to length 1."""
-    vector = np.asarray(value, dtype=np.float64)
+    vector = as_numbers(value, name)
     if vector.shape != (3,) or not np.all(np.isfinite(vector)):
         raise ArgumentError(f"{name} must be three finite numbers; got {value!r}")
     # Scaling first keeps the norm of huge and tiny vectors from over- or underflow.

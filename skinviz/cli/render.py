@@ -46,6 +46,7 @@ def render(
     from skinviz._validate import in_range, one_of
     from skinviz.render.shade import shade
     from skinviz.scan.formats import write_mesh
+    from skinviz.scene.scene import LARGEST_PICTURE
     from skinviz.scene.scene_file import read_scene
     from skinviz.view.offscreen import draw, save_picture
 
@@ -56,7 +57,7 @@ def render(
         begin("read scene")
         described = read_scene(scene)
         if size is not None:
-            in_range(size, 1, 16384, "--size", "pixels")
+            in_range(size, 1, LARGEST_PICTURE, "--size", "pixels")
             old = described.camera.size
             new = np.maximum(1, np.round(np.multiply(old, size / max(old)))).astype(int)
             camera = dataclasses.replace(

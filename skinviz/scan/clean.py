@@ -281,6 +281,7 @@ def _repair(
             Filter("meshing_remove_null_faces", {}),
             Filter("meshing_repair_non_manifold_edges", {}),
             Filter("meshing_repair_non_manifold_vertices", {}),
+            Filter("meshing_re_orient_faces_coherently", {}),
         ],
         timeout=timeout,
     )

@@ -36,7 +36,7 @@ def merge(
     points, normals : (n, 3) ndarray
         All patches' points [mm] and unit normals in one frame.
     cell : float
-        Largest cell of the octree at the surface. [mm]
+        Largest cell of the octree where the points are dense enough for it. [mm]
     support : float
         A surface point farther than this from every measured point is
         unsupported. [mm]
@@ -46,7 +46,8 @@ def merge(
     Returns
     -------
     merged : Merged
-        A closed surface; holes are filled smoothly and marked unsupported.
+        Holes are filled smoothly and marked unsupported. The surface is closed,
+        unless a wide gap lets it bulge out of the box around the points.
 
     References
     ----------

@@ -72,7 +72,8 @@ def hand_frame(mesh: pyvista.PolyData) -> HandFrame:
             "the mesh has no opening at the wrist, so the direction of its fingers "
             "is unknown; give the view's and the lights' directions instead of angles"
         )
-    wrist = points[loops[0]].mean(axis=0)
+    widest = max(loops, key=lambda loop: float(np.ptp(points[loop], axis=0).max()))
+    wrist = points[widest].mean(axis=0)
     # By area, not by vertex: meshes are often finer at the nails.
     area = topology.face_areas(points, faces)
     middles = points[faces].mean(axis=1)
@@ -96,7 +97,7 @@ def hand_frame(mesh: pyvista.PolyData) -> HandFrame:
     outwards = across * np.sign(reach.max() + reach.min())
     thumb = middle & (outwards > np.quantile(outwards[middle], 0.95))
     palm = thin * np.sign(depth[thumb].mean())
-    back = _mean_back_normal(points, faces, -palm, (points[faces[:, 0]] - wrist) @ long)
+    back = _mean_back_normal(points, faces, -palm, (middles - wrist) @ long)
     fingers = long - (long @ back) * back
     fingers /= np.linalg.norm(fingers)
     return HandFrame(back, fingers, np.cross(fingers, back))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._validate import as_wavelengths, in_range, one_of, unit_vector
+from skinviz._validate import as_numbers, as_wavelengths, in_range, one_of, unit_vector
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan.checks import require_triangles
 from skinviz.skin.fit import SkinFit
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     import pyvista
 
 Array = NDArray[np.float64]
+
+LARGEST_PICTURE = 16384
+"""Longest side that a picture may have. [pixels]"""
 
 
 @dataclass(frozen=True)
@@ -41,14 +44,15 @@ class Skin:
     values: Array
 
     def __post_init__(self) -> None:
-        """Store the values as float64 and refuse other shapes."""
-        values = np.asarray(self.values, dtype=np.float64)
+        """Store the values as float64; refuse other shapes and impossible values."""
         p = len(self.model.parameters)
+        values = as_numbers(self.values, "skin values")
         if values.ndim not in (1, 2) or values.shape[-1] != p:
             raise ArgumentError(
                 f"skin values must have shape ({p},) or (n_vertices, {p}); got "
                 f"{values.shape}"
             )
+        self.model.checked(values)
         object.__setattr__(self, "values", values)
 
     @classmethod
@@ -124,9 +128,18 @@ class Camera:
             raise ArgumentError("camera up must not be parallel to its direction")
         object.__setattr__(self, "direction", towards)
         object.__setattr__(self, "up", unit_vector(across, "camera up"))
-        width, height = self.size
-        for pixels in (width, height):
-            in_range(pixels, 1, 16384, "camera size", "pixels")
+        object.__setattr__(self, "size", _picture_size(self.size))
+
+
+def _picture_size(size: object) -> tuple[int, int]:
+    """Return width and height as two counts of pixels."""
+    if not isinstance(size, list | tuple) or len(size) != 2:
+        raise ArgumentError(f"camera size must be (width, height); got {size!r}")
+    for pixels in size:
+        in_range(pixels, 1, LARGEST_PICTURE, "camera size", "pixels")
+        if pixels != int(pixels):
+            raise ArgumentError(f"camera size must be whole pixels; got {size!r}")
+    return int(size[0]), int(size[1])
 
 
 @dataclass(frozen=True)
@@ -169,6 +182,8 @@ class Scene:
     def __post_init__(self) -> None:
         """Refuse meshes without triangles, no light, and mismatched pigments."""
         require_triangles(self.mesh, "the scene's mesh")
+        if not self.mesh.is_all_triangles:
+            object.__setattr__(self, "mesh", self.mesh.triangulate())
         if not self.lights:
             raise ArgumentError("a scene needs at least one light")
         object.__setattr__(self, "lights", tuple(self.lights))

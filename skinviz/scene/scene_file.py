@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import tomllib
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from skinviz._files import existing_file
-from skinviz.errors import ArgumentError, DataError
+from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
 from skinviz.scene.hand import HandFrame, hand_frame
 from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
@@ -93,11 +94,11 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         raise DataError(f"{file}: not a TOML file: {error}") from error
     try:
         return _scene(content, file.parent)
-    except ArgumentError as error:
-        raise DataError(f"{file}: {error}") from error
-    except DataError as error:
+    except SkinvizError as error:
         told = str(error)
-        raise DataError(told if str(file) in told else f"{file}: {told}") from error
+        kind = DataError if isinstance(error, ArgumentError) else type(error)
+        # Errors of the files that a scene names already name those.
+        raise kind(told if file.name in told else f"{file}: {told}") from error
 
 
 def _scene(content: dict[str, Any], folder: Path) -> Scene:
@@ -148,17 +149,21 @@ def _require_kind(table: str, key: str, value: Any) -> None:
         raise DataError(
             f"unknown key {key!r} in [{table}]; known are {', '.join(sorted(known))}"
         )
-    number = isinstance(value, int | float) and not isinstance(value, bool)
+    number = _is_number(value)
     fits = {
         _TEXT: isinstance(value, str),
         _NUMBER: number,
         _COUNT: number and isinstance(value, int) and value >= 0,
-        _NUMBERS: isinstance(value, list)
-        and all(type(item) in (int, float) for item in value),
+        _NUMBERS: isinstance(value, list) and all(map(_is_number, value)),
         _WORD_OR_NUMBER: isinstance(value, str) or number,
     }
     if not fits[known[key]]:
         raise DataError(f"{key} in [{table}] must be {known[key]}; got {value!r}")
+
+
+def _is_number(value: Any) -> bool:
+    """Return whether a TOML value is a finite number."""
+    return type(value) in (int, float) and math.isfinite(value)
 
 
 def _skin(table: dict[str, Any], folder: Path) -> Skin:
@@ -219,7 +224,7 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
             coefficients=content["coefficients"],
         )
         values = [entry["parameters"][p.name]["value"] for p in model.parameters]
-    except (json.JSONDecodeError, KeyError, IndexError, TypeError) as error:
+    except (ValueError, KeyError, IndexError, TypeError) as error:
         raise DataError(
             f"{file}: not a fit file of 'skinviz fit', or it has no record {record}"
         ) from error
@@ -265,14 +270,12 @@ def _light(
 def _camera(table: dict[str, Any], frame: HandFrame | None, angle: float) -> Camera:
     """Return the camera, its direction given or on the other side from the light."""
     size = table.get("size", [1024, 1024])
-    if len(size) != 2 or not all(type(n) is int for n in size):
-        raise DataError(f"size must be [width, height] in pixels; got {size!r}")
     if frame is None:
-        return Camera(table["direction"], table["up"], tuple(size))
+        return Camera(table["direction"], table["up"], size)
     return Camera(
         table.get("direction", frame.direction(-angle)),
         table.get("up", frame.fingers),
-        tuple(size),
+        size,
     )
 
 

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinviz._validate import as_numbers
 from skinviz.errors import ArgumentError
 
 Array = NDArray[np.float64]
@@ -274,7 +275,7 @@ def _coefficient(
     value: ArrayLike, name: str, *, infinite_allowed: bool = False
 ) -> Array:
     """Return an argument as float64 after checking the declared range."""
-    array = np.asarray(value, dtype=np.float64)
+    array = as_numbers(value, name)
     inside = (array == 0) | ((array >= SMALLEST) & (array <= LARGEST))
     if infinite_allowed:
         inside |= array == np.inf

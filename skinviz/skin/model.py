@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinviz._validate import as_wavelengths, in_range
+from skinviz._validate import as_numbers, as_wavelengths, in_range
 from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import Coefficients
 from skinviz.skin.interface import Interface, interface
@@ -140,7 +140,7 @@ class SkinModel(ABC):
             lies outside the table.
         """
         bands = as_wavelengths(wavelengths)
-        return self._body(self._checked(values), self.coefficients.at(bands))
+        return self._body(self.checked(values), self.coefficients.at(bands))
 
     def diffuse(self, values: ArrayLike, wavelengths: ArrayLike) -> Array:
         """Return the light that has been inside the skin and left it.
@@ -169,9 +169,15 @@ class SkinModel(ABC):
             self.interface.slope(body)[..., None] * slopes,
         )
 
-    def _checked(self, values: ArrayLike) -> Array:
-        """Return parameters as float64 after checking their bounds."""
-        given = np.asarray(values, dtype=np.float64)
+    def checked(self, values: ArrayLike) -> Array:
+        """Return parameters (..., p) as float64 after checking their bounds.
+
+        Raises
+        ------
+        ArgumentError
+            If one is no number, not finite or outside its bounds.
+        """
+        given = as_numbers(values, "weights")
         if given.ndim == 0 or given.shape[-1] != len(self.parameters):
             raise ArgumentError(
                 f"the {self.name} model takes {len(self.parameters)} weights on the "
@@ -181,7 +187,8 @@ class SkinModel(ABC):
             own = given[..., k]
             if not ((own >= parameter.lower) & (own <= parameter.upper)).all():
                 raise ArgumentError(
-                    f"{parameter.name} must be between {parameter.lower:g} and "
-                    f"{parameter.upper:g}; got {own.min():g} to {own.max():g}"
+                    f"weights out of bounds: {parameter.name} must be between "
+                    f"{parameter.lower:g} and {parameter.upper:g}; got {own.min():g} to "
+                    f"{own.max():g}"
                 )
         return given

@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinviz.errors import ArgumentError
 
+_LARGEST_INDEX = 1e100  # a mirror to every digit; its square is still finite
+
 
 def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
     """Return the reflectance for unpolarised light from the outside.
@@ -16,7 +18,7 @@ def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
     cosine : array_like
         Cosine of the angle of incidence. [1], 0 to 1
     n : array_like
-        Refractive index against the outside, broadcast with ``cosine``. [1], ≥ 1
+        Refractive index against the outside, broadcast with ``cosine``. [1], ≥ 1 and finite
 
     Returns
     -------
@@ -26,12 +28,12 @@ def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
     Raises
     ------
     ArgumentError
-        If the index is below 1 or the cosine outside [0, 1].
+        If the index is below 1 or not finite, or the cosine outside [0, 1].
     """
     mu, index = np.asarray(cosine, np.float64), np.asarray(n, np.float64)
     if not ((mu >= 0) & (mu <= 1 + 1e-12)).all():
         raise ArgumentError("the cosine of incidence must be in [0, 1]")
-    if not (index >= 1).all():
+    if not ((index >= 1) & (index <= _LARGEST_INDEX)).all():
         raise ArgumentError(
             f"the refractive index must be at least 1; got {index.min():g}"
         )
@@ -40,7 +42,7 @@ def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
     excess = (index - 1) * (index + 1)
     g = np.sqrt(excess + mu * mu)
     total = g + mu
-    ratio = np.divide(excess, total**2, out=np.zeros(total.shape), where=total > 0)
-    gap = ratio * total
+    gap = np.divide(excess, total, out=np.zeros(total.shape), where=total > 0)
+    ratio = np.divide(gap, total, out=np.zeros(total.shape), where=total > 0)
     p_over_s = (mu * total - 1) / (mu * gap + 1)
     return np.asarray(ratio**2 * (1 + p_over_s**2) / 2)
