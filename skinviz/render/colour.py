@@ -7,9 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.spectra.colorimetry import encode_srgb, xyz_to_linear_srgb
+from skinviz.spectra.colorimetry import (
+    decode_srgb,
+    encode_srgb,
+    xyz_to_linear_srgb,
+)
 
-_ROUNDING = 1e-9  # white itself comes out of the matrix a little off 1
+# Half an 8-bit step beyond the ends: what rounds to them is shown as it is.
+_ABOVE = float(decode_srgb(1 + 0.5 / 255))
+_BELOW = float(decode_srgb(-0.5 / 255))
 
 
 @dataclass(frozen=True)
@@ -21,9 +27,9 @@ class DisplayCounts:
     total : int
         Colours looked at.
     over_exposed : int
-        Those with a channel above 1.
+        Those with a channel that rounds to more than full.
     out_of_gamut : int
-        Those with a channel below 0.
+        Those with a channel that rounds to less than none.
     """
 
     total: int
@@ -39,7 +45,7 @@ def to_srgb8(xyz: NDArray[np.float64]) -> tuple[NDArray[np.uint8], DisplayCounts
     linear = xyz_to_linear_srgb(xyz)
     counts = DisplayCounts(
         total=int(linear[..., 0].size),
-        over_exposed=int((linear > 1 + _ROUNDING).any(axis=-1).sum()),
-        out_of_gamut=int((linear < -_ROUNDING).any(axis=-1).sum()),
+        over_exposed=int((linear > _ABOVE).any(axis=-1).sum()),
+        out_of_gamut=int((linear < _BELOW).any(axis=-1).sum()),
     )
     return np.round(255 * encode_srgb(linear)).astype(np.uint8), counts

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._validate import in_range
-from skinviz.errors import MeshError
+from skinviz.errors import ArgumentError, MeshError
 from skinviz.render.colour import to_srgb8
 from skinviz.scan import topology
 from skinviz.scene.scene import DirectionalLight, Scene
@@ -72,6 +72,8 @@ def shade(scene: Scene) -> pyvista.PolyData:
     ------
     MeshError
         If a vertex belongs to no triangle with an area, so that it has no normal.
+    ArgumentError
+        If the radiance is too large for float32.
 
     Notes
     -----
@@ -165,6 +167,9 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
         If the mesh has no such vertex.
     """
     in_range(vertex, 0, scene.mesh.n_points - 1, "vertex")
+    if vertex != int(vertex):
+        raise ArgumentError(f"vertex must be a whole number; got {vertex}")
+    vertex = int(vertex)
     diffuse, specular = geometry_terms(scene)
     values = scene.skin.values
     own = values if values.ndim == 1 else values[vertex]
@@ -182,6 +187,12 @@ def _radiance(
     diffuse: Array, specular: Array, body: Array, powers: Array
 ) -> NDArray[np.float32]:
     """Return the radiance of every vertex and band (n, bands)."""
+    peak = max(diffuse.max(), specular.max()) * powers.sum(axis=0).max()
+    if peak > np.finfo(np.float32).max:
+        raise ArgumentError(
+            f"radiance reaches {peak:.3g}, more than float32 holds; lower the exposure "
+            "or the lights' strength"
+        )
     # One product with few inner terms: bands are formed once, in float32.
     scalars = np.concatenate([diffuse, specular]).T.astype(np.float32)
     if body.ndim == 1:

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 LARGEST_PICTURE = 16384
 """Longest side that a picture may have. [pixels]"""
 
+_MOST_PIXELS = 2**26
+
 
 @dataclass(frozen=True)
 class Skin:
@@ -139,7 +141,13 @@ def _picture_size(size: object) -> tuple[int, int]:
         in_range(pixels, 1, LARGEST_PICTURE, "camera size", "pixels")
         if pixels != int(pixels):
             raise ArgumentError(f"camera size must be whole pixels; got {size!r}")
-    return int(size[0]), int(size[1])
+    width, height = (int(pixels) for pixels in size)
+    if width * height > _MOST_PIXELS:
+        raise ArgumentError(
+            f"camera size {width} x {height} is more than {_MOST_PIXELS / 1e6:.0f} "
+            "million pixels; draw it in parts"
+        )
+    return width, height
 
 
 @dataclass(frozen=True)

@@ -188,7 +188,7 @@ class SkinModel(ABC):
             if not ((own >= parameter.lower) & (own <= parameter.upper)).all():
                 raise ArgumentError(
                     f"weights out of bounds: {parameter.name} must be between "
-                    f"{parameter.lower:g} and {parameter.upper:g}; got {own.min():g} to "
-                    f"{own.max():g}"
+                    f"{parameter.lower:g} and {parameter.upper:g}; got "
+                    f"{own.min():g} to {own.max():g}"
                 )
         return given

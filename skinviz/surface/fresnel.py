@@ -18,7 +18,8 @@ def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
     cosine : array_like
         Cosine of the angle of incidence. [1], 0 to 1
     n : array_like
-        Refractive index against the outside, broadcast with ``cosine``. [1], ≥ 1 and finite
+        Refractive index against the outside, broadcast with ``cosine``. [1], ≥ 1,
+        finite
 
     Returns
     -------

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinviz._files import whole_file
 from skinviz._system import require_system_libraries
+from skinviz.errors import MeshError
 from skinviz.scene.scene import Camera
 from skinviz.spectra.colorimetry import decode_srgb, encode_srgb
 
@@ -24,6 +25,8 @@ BACKGROUND = (46, 46, 46)
 """A dark neutral surround. [8-bit sRGB]"""
 
 _OVERSAMPLING = 3
+_LARGEST_CANVAS = 16384  # pixels a side that software OpenGL draws
+_ROWS = 64
 _MARGIN = 1.06
 
 
@@ -72,14 +75,19 @@ def draw(mesh: pyvista.PolyData, camera: Camera) -> Picture:
     Returns
     -------
     picture : Picture
-        Edges smoothed by averaging 3 × 3 samples a pixel in linear light.
+        Edges smoothed by averaging 3 × 3 samples a pixel in linear light, fewer
+        where the graphics driver's canvas is too small for them.
 
     Raises
     ------
+    MeshError
+        If the mesh has no ``rgb``.
     SystemLibraryError
         If a system library that VTK draws with is missing.
     """
     require_system_libraries("vtk")
+    if "rgb" not in mesh.point_data:
+        raise MeshError("the mesh has no colours rgb to draw; shade it first")
     import pyvista as pv
 
     points = np.asarray(mesh.points, dtype=np.float64)
@@ -98,7 +106,8 @@ def draw(mesh: pyvista.PolyData, camera: Camera) -> Picture:
         max((high - low)[1] / 2, (high - low)[0] / 2 * height / width, 1e-9) * _MARGIN
     )
     reach = float(np.ptp(depth)) + 2 * half
-    large = (width * _OVERSAMPLING, height * _OVERSAMPLING)
+    samples = max(1, min(_OVERSAMPLING, _LARGEST_CANVAS // max(width, height)))
+    large = (width * samples, height * samples)
     plotter = pv.Plotter(off_screen=True, window_size=list(large))
     try:
         plotter.render_window.SetMultiSamples(0)
@@ -113,7 +122,7 @@ def draw(mesh: pyvista.PolyData, camera: Camera) -> Picture:
         fine = np.asarray(plotter.screenshot(return_img=True))
     finally:
         plotter.close()
-    return Picture(_averaged(fine), centre, camera, height / (2 * half))
+    return Picture(_averaged(fine, samples), centre, camera, height / (2 * half))
 
 
 def save_picture(picture: Picture, path: str | os.PathLike[str]) -> Path:
@@ -129,11 +138,14 @@ def save_picture(picture: Picture, path: str | os.PathLike[str]) -> Path:
     return file
 
 
-def _averaged(fine: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _averaged(fine: NDArray[np.uint8], samples: int) -> NDArray[np.uint8]:
     """Return a picture shrunk by averaging blocks of samples in linear light."""
-    k = _OVERSAMPLING
-    height, width = fine.shape[0] // k, fine.shape[1] // k
-    linear = decode_srgb(fine[..., :3] / 255.0)
-    blocks = linear[: height * k, : width * k].reshape(height, k, width, k, 3)
-    encoded = encode_srgb(blocks.mean(axis=(1, 3)))
-    return np.round(255 * encoded).astype(np.uint8)
+    height, width = fine.shape[0] // samples, fine.shape[1] // samples
+    rgb = np.zeros((height, width, 3), dtype=np.uint8)
+    # Some rows at a time, which bounds the memory of large pictures.
+    for top in range(0, height, _ROWS):
+        rows = fine[top * samples : (top + _ROWS) * samples, :, :3]
+        linear = decode_srgb(rows / 255.0)
+        blocks = linear.reshape(-1, samples, width, samples, 3).mean(axis=(1, 3))
+        rgb[top : top + _ROWS] = np.round(255 * encode_srgb(blocks))
+    return rgb
