@@ -1,0 +1,1 @@
+"""Slow, literal twins of the physics. They import nothing of skinviz."""

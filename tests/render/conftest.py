@@ -1,0 +1,81 @@
+"""Scenes on which eq. (10) has a closed form, and an independent colour library."""
+
+import importlib
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from meshes import plane
+from skinviz import Camera, DirectionalLight, Scene, Skin, TorranceSparrow, skin_model
+
+
+@dataclass(frozen=True)
+class Painted:
+    """A stand-in for a skin model: grey of a reflectance that is its parameter."""
+
+    parameters: tuple[str, ...] = field(default=("reflectance",))
+
+    def checked(self, values):
+        return np.asarray(values, dtype=np.float64)
+
+    def diffuse(self, values, wavelengths):
+        return np.broadcast_to(
+            np.asarray(values), (*np.shape(values)[:-1], len(wavelengths))
+        )
+
+
+@pytest.fixture(scope="session")
+def colour():
+    """The colour-science package; its import warns of what it lacks."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import colour
+    return colour
+
+
+@pytest.fixture(scope="session")
+def model():
+    return skin_model(site="cheek", specular="included")
+
+
+@pytest.fixture
+def matt(model):
+    """A Lambertian square of skin, lit and seen along its normal."""
+    return Scene(
+        mesh=plane(),
+        skin=Skin(model, [0.1, 0.005, 0.005]),
+        surface=TorranceSparrow(specular_scale=0.0),
+        lights=(DirectionalLight([0, 0, 1]),),
+        camera=Camera([0, 0, 1], [0, 1, 0], (32, 24)),
+    )
+
+
+@pytest.fixture
+def white(matt):
+    """The perfect diffuser in the place of the skin."""
+    return matt.replace(skin=Skin(Painted(), [1.0]))
+
+
+@pytest.fixture
+def xyz_of(monkeypatch):
+    """Shade a scene and give the XYZ that its colours were made of, with the mesh."""
+
+    # The package's name for it is the function, so the module is asked for.
+    shading = importlib.import_module("skinviz.render.shade")
+
+    def run(scene):
+        seen = []
+        encode = shading.to_srgb8
+
+        def spy(xyz):
+            seen.append(xyz.copy())
+            return encode(xyz)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(shading, "to_srgb8", spy)
+            mesh = shading.shade(scene)
+        return seen[0], mesh
+
+    return run

@@ -1,0 +1,72 @@
+"""The reader is chosen by the suffix, and what cannot be read is named."""
+
+import numpy as np
+import pytest
+
+from meshes import tetrahedron
+from skinviz.errors import MeshError
+from skinviz.scan.formats import read_mesh, read_scan, write_mesh
+from skinviz.scan.formats.read import _READERS
+
+SUFFIXES = tuple(_READERS)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_missing_file_is_named(tmp_path, suffix):
+    with pytest.raises(MeshError, match=rf"gone\{suffix}: no such file"):
+        read_scan(tmp_path / f"gone{suffix}", "mm")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_an_empty_file_is_named(tmp_path, suffix):
+    file = tmp_path / f"void{suffix}"
+    file.touch()
+    with pytest.raises(MeshError, match=rf"void\{suffix}: the file is empty"):
+        read_scan(file, "mm")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_folder_is_no_file(tmp_path, suffix):
+    (tmp_path / f"folder{suffix}").mkdir()
+    with pytest.raises(MeshError, match=rf"folder\{suffix}: is a folder"):
+        read_scan(tmp_path / f"folder{suffix}", "mm")
+
+
+JUNK = {
+    "zeros": bytes(400),
+    "noise": np.random.default_rng(0).bytes(3000),
+    "one byte": b"\n",
+    "words": b"the quick brown fox\n" * 30,
+    "magic words only": b"ply\nOFF\nsolid\n",
+    "page": b"<!DOCTYPE html><html><body>404</body></html>",
+    "latin": "état à côté\n".encode("latin-1") * 20,
+}
+
+
+@pytest.mark.parametrize("kind", JUNK)
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_junk_is_refused_by_name(tmp_path, suffix, kind):
+    file = tmp_path / f"junk{suffix}"
+    file.write_bytes(JUNK[kind])
+    with pytest.raises(MeshError, match=rf"junk\{suffix}"):
+        read_scan(file, "mm")
+
+
+@pytest.mark.parametrize("name", ["hand.xyzzy", "hand", "hand.pts", "hand.ply.gz"])
+def test_an_unknown_suffix_lists_the_known_ones(tmp_path, name):
+    (tmp_path / name).write_text("something")
+    with pytest.raises(MeshError, match=rf"{name}.*no reader.*\.conf.*\.vtp"):
+        read_scan(tmp_path / name, "mm")
+
+
+def test_the_suffix_counts_in_either_case(tmp_path):
+    write_mesh(tmp_path / "a.ply", tetrahedron())
+    (tmp_path / "a.ply").rename(tmp_path / "A.PLY")
+    assert read_mesh(tmp_path / "A.PLY").n_cells == 4
+
+
+def test_a_path_may_be_text(tmp_path):
+    write_mesh(tmp_path / "a.ply", tetrahedron())
+    scan = read_scan(str(tmp_path / "a.ply"))
+    assert scan.source == str(tmp_path / "a.ply")
+    assert scan.mesh.n_cells == 4
