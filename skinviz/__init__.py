@@ -23,8 +23,9 @@ if TYPE_CHECKING:
         SystemLibraryError,
     )
     from skinviz.render.shade import shade, vertex_spectrum
-    from skinviz.scan.clean import CleaningReport, clean_scan
+    from skinviz.scan.clean import clean_scan
     from skinviz.scan.formats import read_mesh, read_scan, write_mesh
+    from skinviz.scan.report import CleaningReport
     from skinviz.scan.scan import Scan
     from skinviz.scan.simulate import Scanner, simulate_scan
     from skinviz.scene.hand import HandFrame, hand_frame
@@ -47,7 +48,7 @@ _HOME = {
     "SystemLibraryError": "errors",
     "shade": "render.shade",
     "vertex_spectrum": "render.shade",
-    "CleaningReport": "scan.clean",
+    "CleaningReport": "scan.report",
     "clean_scan": "scan.clean",
     "read_mesh": "scan.formats",
     "read_scan": "scan.formats",

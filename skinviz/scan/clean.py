@@ -7,10 +7,8 @@ and checked. A scan that is already a mesh starts at the islands.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +19,7 @@ from skinviz.scan.align import align_patches
 from skinviz.scan.checks import require_hand_size, require_triangles
 from skinviz.scan.merge import merge, unsupported_regions
 from skinviz.scan.meshlab import DEFAULT_TIMEOUT, Filter, run_filters
+from skinviz.scan.report import CleaningReport, Progress, Recorder
 from skinviz.scan.scan import Scan, transform
 from skinviz.scan.topology import Faces, Points
 from skinviz.scan.views import PatchCounts, make_patch
@@ -28,8 +27,6 @@ from skinviz.scan.wrist import cut_wrist
 
 if TYPE_CHECKING:
     import pyvista
-
-Progress = Callable[[str], None]
 
 STEPS = (
     "triangulate",
@@ -45,77 +42,6 @@ STEPS = (
 
 _MOST_UNMEASURED = 0.25  # of the merged surface, its cap at the wrist included
 _SMALLEST_WRIST = 200.0  # mm²; the opening of a child's wrist is above 1000
-
-
-@dataclass(frozen=True)
-class CleaningStep:
-    """One step of cleaning.
-
-    Attributes
-    ----------
-    name : str
-        What was done.
-    seconds : float
-        How long it took. [s]
-    counts : dict
-        What was found and changed, by name.
-    """
-
-    name: str
-    seconds: float
-    counts: dict[str, float | int]
-
-
-@dataclass(frozen=True)
-class CleaningReport:
-    """What was found and done at each step of cleaning.
-
-    Attributes
-    ----------
-    steps : tuple of CleaningStep
-        In the order they ran.
-    """
-
-    steps: tuple[CleaningStep, ...] = field(default=())
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the report as plain data for JSON."""
-        return asdict(self)
-
-    def __getitem__(self, name: str) -> dict[str, float | int]:
-        """Return the counts of the step of that name."""
-        for step in self.steps:
-            if step.name == name:
-                return step.counts
-        raise KeyError(name)
-
-    def __str__(self) -> str:
-        """Return the report as a table."""
-        rows = []
-        for step in self.steps:
-            counts = ", ".join(
-                f"{name.replace('_', ' ')} {_number(value)}"
-                for name, value in step.counts.items()
-            )
-            rows.append(f"{step.name:<18}{step.seconds:6.1f} s  {counts}")
-        return "\n".join(rows)
-
-
-@dataclass
-class _Recorder:
-    """Collects steps while cleaning runs."""
-
-    progress: Progress
-    steps: list[CleaningStep] = field(default_factory=list)
-    _start: float = 0.0
-
-    def begin(self, name: str) -> None:
-        self.progress(name)
-        self._start = time.perf_counter()
-
-    def end(self, name: str, **counts: float) -> None:
-        seconds = time.perf_counter() - self._start
-        self.steps.append(CleaningStep(name, round(seconds, 3), counts))
 
 
 def clean_scan(
@@ -166,7 +92,7 @@ def clean_scan(
     in_range(max_incidence, 0.1, np.pi / 2, "max_incidence", "rad")
     in_range(min_island, 0, 1e9, "min_island")
     in_range(timeout, 1e-3, 1e6, "timeout", "s")
-    recorder = _Recorder(progress or (lambda _: None))
+    recorder = Recorder(progress or (lambda _: None))
     if scan.views:
         points, faces = _merge_views(
             scan,
@@ -190,7 +116,7 @@ def clean_scan(
 
 def _merge_views(
     scan: Scan,
-    recorder: _Recorder,
+    recorder: Recorder,
     *,
     edge_length: float,
     max_incidence: float,
@@ -260,14 +186,14 @@ def _merge_views(
     return topology.compact(out_points, out_faces)
 
 
-def _record_patches(recorder: _Recorder, counts: list[PatchCounts]) -> None:
+def _record_patches(recorder: Recorder, counts: list[PatchCounts]) -> None:
     """Sum the views' counts into one step."""
     totals = {name: sum(getattr(c, name) for c in counts) for name in asdict(counts[0])}
     recorder.end("triangulate", views=len(counts), **totals)
 
 
 def _repair(
-    points: Points, faces: Faces, timeout: float, recorder: _Recorder
+    points: Points, faces: Faces, timeout: float, recorder: Recorder
 ) -> tuple[Points, Faces]:
     """Drop duplicates, null and non-manifold faces, and all but the main piece."""
     recorder.begin("repair")
@@ -299,7 +225,7 @@ def _repair(
 
 
 def _close_holes(
-    points: Points, faces: Faces, timeout: float, recorder: _Recorder
+    points: Points, faces: Faces, timeout: float, recorder: Recorder
 ) -> tuple[Points, Faces]:
     """Close every hole but the one with the largest outline: the wrist."""
     recorder.begin("close holes")
@@ -345,7 +271,7 @@ def _remesh(
     faces: Faces,
     edge_length: float,
     timeout: float,
-    recorder: _Recorder,
+    recorder: Recorder,
 ) -> tuple[Points, Faces]:
     """Remesh to near-equilateral triangles of the target edge length."""
     recorder.begin("remesh")
@@ -370,7 +296,7 @@ def _remesh(
     return points, faces
 
 
-def _finish(points: Points, faces: Faces, recorder: _Recorder) -> pyvista.PolyData:
+def _finish(points: Points, faces: Faces, recorder: Recorder) -> pyvista.PolyData:
     """Point the normals outwards and check what was promised."""
     recorder.begin("check")
     if topology.enclosed_volume(points, faces) < 0:
@@ -403,8 +329,3 @@ def _principal(points: Points) -> Points:
     centred = points - points.mean(axis=0)
     _, axes = np.linalg.eigh(centred.T @ centred)
     return np.asarray(centred @ axes[:, ::-1])
-
-
-def _number(value: float) -> str:
-    """Return a count or a measure as short text."""
-    return str(value) if isinstance(value, int) else f"{value:g}"

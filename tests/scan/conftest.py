@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import pytest
 import pyvista as pv
 
-from skinviz.scan.clean import CleaningReport, clean_scan
+from skinviz.scan.clean import clean_scan
 from skinviz.scan.formats import read_mesh, read_scan
+from skinviz.scan.report import CleaningReport
 from skinviz.scan.scan import Scan
 from skinviz.scan.shipped import DEMO_SCAN, TRUE_SHAPE, shipped_mesh
 

@@ -22,7 +22,8 @@ from meshes import (
 from skinviz import hand_frame
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan import topology
-from skinviz.scan.clean import STEPS, CleaningReport, CleaningStep, clean_scan
+from skinviz.scan.clean import STEPS, clean_scan
+from skinviz.scan.report import CleaningReport, CleaningStep
 from skinviz.scan.scan import RangeView, Scan, transform
 from skinviz.scan.simulate import Scanner, directions_around, simulate_scan
 from skinviz.scan.topology import polydata
