@@ -222,6 +222,7 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
             specular=content["specular"],
             thickness=tuple(content["thickness_mm"]),
             coefficients=content["coefficients"],
+            hypodermis=content["hypodermis"],
         )
         values = [entry["parameters"][p.name]["value"] for p in model.parameters]
     except (ValueError, KeyError, IndexError, TypeError) as error:

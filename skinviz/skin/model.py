@@ -108,6 +108,7 @@ class SkinModel(ABC):
             "coefficients": self.coefficients.name,
             # JSON has no infinity; skin_model takes the word.
             "thickness_mm": [d if np.isfinite(d) else "inf" for d in self.thickness],
+            "hypodermis": self.hypodermis,
         }
 
     @cached_property

@@ -25,6 +25,7 @@ def skin_model(
     site: str | None = None,
     thickness: tuple[float, float] | None = None,
     coefficients: str = "effective",
+    hypodermis: float = 1.0,
 ) -> SkinModel:
     """Return a model of skin, ready to compute spectra or to be fitted.
 
@@ -42,6 +43,8 @@ def skin_model(
         Thickness of epidermis and dermis instead. [mm]
     coefficients : str
         ``"effective"`` or ``"textbook"``.
+    hypodermis : float
+        Reflectance of the white backing under the dermis. [1], 0 to 1
 
     Returns
     -------
@@ -67,7 +70,7 @@ def skin_model(
             + ", ".join(body_sites())
         )
     depths = layer_thickness(site) if site is not None else _two_depths(thickness)
-    return kind(depths, load_coefficients(coefficients), specular)
+    return kind(depths, load_coefficients(coefficients), specular, hypodermis)
 
 
 def _two_depths(thickness: object) -> tuple[float, float]:

@@ -34,9 +34,11 @@ def fresnel_reflectance(cosine: ArrayLike, n: ArrayLike) -> NDArray[np.float64]:
     mu, index = np.asarray(cosine, np.float64), np.asarray(n, np.float64)
     if not ((mu >= 0) & (mu <= 1 + 1e-12)).all():
         raise ArgumentError("the cosine of incidence must be in [0, 1]")
-    if not ((index >= 1) & (index <= _LARGEST_INDEX)).all():
+    inside = (index >= 1) & (index <= _LARGEST_INDEX)
+    if not inside.all():
         raise ArgumentError(
-            f"the refractive index must be at least 1; got {index.min():g}"
+            f"the refractive index must be at least 1 and finite; got "
+            f"{index[~inside].ravel()[0]:g}"
         )
     mu = np.minimum(mu, 1.0)
     # g² = n² − sin²θ; g − μ from its square, so that n → 1 does not cancel.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -121,6 +122,7 @@ def facet_distribution(normals: Array, half: Array, gamma: float) -> Array:
         return np.asarray(np.exp(-_LN2 * np.square(angle / gamma)))
 
 
+@cache
 def physical_beta(gamma: float) -> float:
     """Return β₁ = π/(4 ∫ D cos θ dω), at which facets cover the surface once. [1]
 

@@ -18,24 +18,22 @@ TOP = np.array([1.0, 1.0, 1.0]) / np.sqrt(3)
 """Where the sphere's unmeasured cap is."""
 
 
-def merged_sphere(top):
-    """A sphere merged from points and normals, its cap above ``GAP`` missing."""
+def merged_sphere(gap):
+    """A sphere merged from points and normals, its cap above ``gap`` missing."""
     points = np.asarray(sphere(RADIUS, 5).points)
-    points = points[points @ top < GAP]
+    points = points[points @ TOP < gap]
     return merge(points, points / RADIUS, cell=CELL, support=SUPPORT), points
 
 
 @pytest.fixture(scope="module")
 def open_sphere():
-    return merged_sphere(TOP)
+    return merged_sphere(GAP)
 
 
-def test_the_merged_surface_is_one_piece_open_at_most_where_nothing_was_measured(
-    open_sphere,
-):
-    merged, _ = open_sphere
-    for loop in topology.boundary_loops(merged.faces):
-        assert not merged.supported[loop].any()
+@pytest.mark.parametrize("gap", [36.0, 99.0])
+def test_the_merged_surface_is_closed_and_in_one_piece(gap):
+    merged, _ = merged_sphere(gap)
+    assert topology.boundary_loops(merged.faces) == []
     assert topology.n_non_manifold_edges(merged.faces) == 0
     labels = topology.face_components(len(merged.points), merged.faces)
     assert labels.max() == 0
