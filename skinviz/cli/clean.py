@@ -52,9 +52,9 @@ def clean(
     from skinviz.scan.formats import read_scan, write_mesh
 
     one_of(out.suffix.lower(), (".ply", ".vtp"), "suffix of --out")
-    with progress_bar(1 + len(STEPS)) as begin:
-        begin("read")
-        scan = read_scan(raw, unit)
+    scan = read_scan(raw, unit)
+    steps = STEPS if scan.views else STEPS[STEPS.index("repair") :]
+    with progress_bar(len(steps)) as begin:
         mesh, done = clean_scan(
             scan, edge_length=edge_length, timeout=timeout, progress=begin
         )

@@ -226,8 +226,8 @@ def _line(site: Site) -> str:
             fit.parameters, fit.values, fit.interval, strict=True
         )
     )
-    scaled = float(fit.sse) * 61 / int(fit.n_bands)
     return (
-        f"{site.name:<13} {weights}  SSE(61) {scaled:.4f}  RMSE {float(fit.rmse):.4f}  "
+        f"{site.name:<13} {weights}  SSE(61) {float(fit.sse_61):.4f}  "
+        f"RMSE {float(fit.rmse):.4f}  "
         f"dE00 {float(fit.delta_e):.2f}  {fit.status}"
     )

@@ -73,16 +73,15 @@ def fit(
     files: list[Path] = []
     with progress_bar(3) as begin:
         begin("read")
-        spectra = read_spectra(file, scale=scale)
-        how = specular if specular is not None else spectra.attrs.get("specular")
-        if how is None:
+        spectra = read_spectra(file, scale=scale, specular=specular)
+        if "specular" not in spectra.attrs:
             raise DataError(
                 f"{file} does not say how the surface reflection was measured; say "
                 "--specular excluded, included or a number"
             )
         chosen = skin_model(
             model,
-            specular=how,
+            specular=spectra.attrs["specular"],
             site=site,
             thickness=thickness,
             coefficients=coefficients,
@@ -114,6 +113,8 @@ def fit(
 
 def _table(found: SkinFit, labels: list[str]) -> str:
     """Return the fits as a table, one line a spectrum."""
+    from skinviz.skin.fit import REFUSED, WHY_REFUSED
+
     width = max(len("spectrum"), *(len(label) for label in labels))
     names = "".join(f"{name:>26}" for name in found.parameters)
     lines = [f"{'spectrum':<{width}}{names}     SSE   dE00  status"]
@@ -128,6 +129,8 @@ def _table(found: SkinFit, labels: list[str]) -> str:
             f"{label:<{width}}{weights} {found.sse[i]:7.4f} {found.delta_e[i]:6.2f}"
             f"  {found.status[i]}"
         )
+    if (found.status == REFUSED).any():
+        lines.append(f"{REFUSED}: {WHY_REFUSED}")
     return "\n".join(lines)
 
 

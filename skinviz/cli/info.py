@@ -91,11 +91,18 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
 
 def _energy(body: float, scene: Scene) -> str:
     """Return the most that the scene's surface can reflect, with a warning above 1."""
+    from skinviz.render.shade import geometry_terms
     from skinviz.surface.torrance_sparrow import specular_albedo
 
     gloss = specular_albedo(scene.surface)
     most = scene.diffuse_scale * body + gloss
     warning = "" if most <= 1 else "; above 1: the surface gives off more than it gets"
+    brightest = float(geometry_terms(scene)[1].max())
+    if scene.surface.masking == "none" and brightest > 1:
+        warning += (
+            f"; eq. (10) without masking diverges here, up to {brightest:.3g} times "
+            "white: choose masking v-cavity"
+        )
     return (
         f"at most {most:.3f} of the light: diffuse {scene.diffuse_scale * body:.3f} + "
         f"specular {gloss:.3f} (up to 80 degrees){warning}"

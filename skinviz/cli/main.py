@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import os
 import sys
 from collections.abc import Callable, Sequence
 
@@ -60,11 +62,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     try:
         make_app()(words, exit_on_error=False)
+        sys.stdout.flush()
     except cyclopts.CycloptsError:
         return MISUSED  # cyclopts has printed what was wrong
     except SkinvizError as error:
         sys.stderr.write(f"skinviz: {' '.join(str(error).split())}\n")
         return FAILED
+    except BrokenPipeError:
+        # Whoever read our output has had enough: that is no failure.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         sys.stderr.write("skinviz: interrupted\n")
         return FAILED
@@ -73,4 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run() -> None:
     """Entry point of the console script."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # a console may lack λ or Δ
+            stream.reconfigure(errors="backslashreplace")
     sys.exit(main())

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from skinviz.cli.arguments import Whole
 from skinviz.cli.output import progress_bar, say, say_files, say_json
 
 
@@ -16,7 +17,7 @@ def render(
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     mesh: Path | None = None,
-    size: int | None = None,
+    size: Whole | None = None,
     json: bool = False,
 ) -> None:
     """Draw a scene in spectrally computed colour.
@@ -74,14 +75,16 @@ def render(
             files.append(write_mesh(mesh, shaded))
     counts = {
         name: int(shaded.field_data[name][0])
-        for name in ("over_exposed", "out_of_gamut")
+        for name in ("facing", "over_exposed", "out_of_gamut")
     }
     if json:
         say_json({"files": [str(f) for f in files], "vertices": counts})
     else:
         say_files(files)
-        for name, count in counts.items():
-            if count:
-                share = count / shaded.n_points
-                told = name.replace("_", "-")
-                say(f"note: {count} vertices ({share:.1%}) are {told} on sRGB")
+        for name in ("over_exposed", "out_of_gamut"):
+            if counts[name]:
+                share = counts[name] / counts["facing"]
+                say(
+                    f"note: {counts[name]} vertices, {share:.1%} of those that face "
+                    f"the viewer, are {name.replace('_', '-')} on sRGB"
+                )

@@ -7,6 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from skinviz.cli.arguments import Whole
 from skinviz.cli.output import progress_bar, say_files, say_json
 
 
@@ -16,12 +17,12 @@ def simulate_scan(
     *,
     out: Annotated[Path, Parameter(name=["--out", "-o"])],
     unit: str | None = None,
-    views: int = 8,
+    views: Whole = 8,
     pitch: float = 0.8,
     noise: float = 0.1,
     pose_shift: float = 0.5,
     pose_tilt: float = 0.3,
-    seed: int = 0,
+    seed: Whole = 0,
     json: bool = False,
 ) -> None:
     """Scan a known shape with a simulated laser range scanner.
@@ -58,6 +59,7 @@ def simulate_scan(
     import numpy as np
 
     from skinviz._validate import one_of
+    from skinviz.scan.checks import require_hand_size
     from skinviz.scan.formats import read_mesh, write_scan
     from skinviz.scan.simulate import Scanner, directions_around
     from skinviz.scan.simulate import simulate_scan as simulate
@@ -73,6 +75,7 @@ def simulate_scan(
     with progress_bar(3) as begin:
         begin("read")
         shape = read_mesh(mesh, unit)
+        require_hand_size(np.asarray(shape.points), str(mesh))
         frame = hand_frame(shape)
         begin("scan")
         directions = directions_around(views, frame.fingers, frame.back)

@@ -21,6 +21,7 @@ from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.render.colour import to_srgb8
 from skinviz.scan import topology
+from skinviz.scan.formats.surface import UNIT_FIELD
 from skinviz.scene.scene import DirectionalLight, Scene
 from skinviz.spectra.colorimetry import colour_matching_functions, xyz_weights
 from skinviz.spectra.illuminants import illuminant_spd
@@ -65,8 +66,8 @@ def shade(scene: Scene) -> pyvista.PolyData:
     mesh : pyvista.PolyData
         A copy of the scene's mesh with point data ``pigments`` (n, p),
         ``radiance`` (n, bands) float32 and ``rgb`` (n, 3) uint8, and field data
-        ``wavelengths`` [nm], ``over_exposed`` and ``out_of_gamut`` (counts of
-        vertices whose colour a display cannot show).
+        ``wavelengths`` [nm], and counts of vertices: ``facing`` the camera, and
+        ``over_exposed`` and ``out_of_gamut`` among them.
 
     Raises
     ------
@@ -94,25 +95,22 @@ def shade(scene: Scene) -> pyvista.PolyData:
     for scalar, gloss, power in zip(diffuse, specular, powers, strict=True):
         xyz += scalar[:, None] * ((body * power) @ weights)
         xyz += gloss[:, None] * (power @ weights)
-    rgb, counts = to_srgb8(xyz)
+    rgb, _ = to_srgb8(xyz)
+    # A vertex that faces away has no true specular term and is not seen.
+    facing = _normals(scene) @ scene.camera.direction > 0
+    _, counts = to_srgb8(xyz[facing])
     mesh.point_data["rgb"] = rgb
     mesh.field_data["wavelengths"] = scene.wavelengths
+    mesh.field_data["facing"] = [counts.total]
     mesh.field_data["over_exposed"] = [counts.over_exposed]
     mesh.field_data["out_of_gamut"] = [counts.out_of_gamut]
-    mesh.field_data["unit"] = ["mm"]
+    mesh.field_data[UNIT_FIELD] = ["mm"]
     return mesh
 
 
 def geometry_terms(scene: Scene) -> tuple[Array, Array]:
     """Return α (N·L) and β D F G/(N·V) for each light, both (lights, n_vertices)."""
-    points, faces = topology.arrays(scene.mesh)
-    normals = topology.vertex_normals(points, faces)
-    lost = np.flatnonzero(~normals.any(axis=1))
-    if lost.size:
-        raise MeshError(
-            f"vertex {lost[0]} belongs to no triangle with an area ({lost.size} such "
-            "vertices); clean the mesh first: skinviz clean"
-        )
+    normals = _normals(scene)
     view = scene.camera.direction
     diffuse = [
         scene.diffuse_scale * np.maximum(normals @ light.direction, 0.0)
@@ -122,6 +120,18 @@ def geometry_terms(scene: Scene) -> tuple[Array, Array]:
         scene.surface.evaluate(normals, light.direction, view) for light in scene.lights
     ]
     return np.array(diffuse), np.array(specular)
+
+
+def _normals(scene: Scene) -> Array:
+    """Return the unit normal of every vertex (n, 3)."""
+    normals = topology.vertex_normals(*topology.arrays(scene.mesh))
+    lost = np.flatnonzero(~normals.any(axis=1))
+    if lost.size:
+        raise MeshError(
+            f"vertex {lost[0]} belongs to no triangle with an area ({lost.size} such "
+            "vertices); clean the mesh first: skinviz clean"
+        )
+    return normals
 
 
 def light_spectra(scene: Scene) -> Array:

@@ -24,7 +24,6 @@ def main(job: Path) -> None:
     mesh = pymeshlab.Mesh(arrays["points"], arrays["faces"].astype(np.int32), **options)
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(mesh)
-    outputs = []
     for step in json.loads((job / "filters.json").read_text(encoding="utf-8")):
         parameters = {
             name: pymeshlab.PureValue(value["length"])
@@ -32,21 +31,13 @@ def main(job: Path) -> None:
             else value
             for name, value in step["parameters"].items()
         }
-        result = meshes.apply_filter(step["name"], **parameters)
-        outputs.append({k: v for k, v in (result or {}).items() if _is_plain(v)})
+        meshes.apply_filter(step["name"], **parameters)
     current = meshes.current_mesh()
-    outputs.append({"selected_faces": int(current.selected_face_number())})
     np.savez(
         job / "output.npz",
         points=current.vertex_matrix(),
         faces=current.face_matrix(),
     )
-    (job / "outputs.json").write_text(json.dumps(outputs), encoding="utf-8")
-
-
-def _is_plain(value: object) -> bool:
-    """Return whether JSON can hold the value."""
-    return isinstance(value, int | float | str | bool)
 
 
 if __name__ == "__main__":

@@ -60,6 +60,8 @@ class Alignment:
         How far each patch's centre was moved. [mm]
     iterations : int
         Rounds of matching and solving.
+    settled : bool
+        Whether the last round moved no patch by more than a few micrometres.
     """
 
     poses: tuple[Pose, ...]
@@ -67,6 +69,7 @@ class Alignment:
     residual: float
     moved: NDArray[np.float64]
     iterations: int
+    settled: bool
 
 
 def align_patches(
@@ -113,7 +116,7 @@ def align_patches(
 
     if len(patches) == 1:
         zero = np.zeros(1)
-        return Alignment(poses, zero, 0.0, zero, 0)
+        return Alignment(poses, zero, 0.0, zero, 0, settled=True)
     trees = [KDTree(patch.points) for patch in patches]
     # Evenly spaced samples make the result independent of any random state.
     picks = [
@@ -125,8 +128,8 @@ def align_patches(
     # Partners can be no nearer than the samples are apart, however good the poses.
     nearest = 2 * max(_spacing(tree) for tree in trees)
     scale, residual, distance = reach / 3, np.inf, max(reach, nearest)
-    iterations = 0
-    while iterations < max_iterations:
+    iterations, settled = 0, False
+    while iterations < max_iterations and not settled:
         iterations += 1
         pairs = _match(patches, trees, picks, poses, distance)
         _require_overlap(patches, pairs)
@@ -135,8 +138,7 @@ def align_patches(
         poses = tuple(map(_compose, step, poses))
         scale = max(1.5 * residual, 1e-6)
         distance = float(np.clip(6 * residual, nearest, distance))
-        if max(map(_shift, start_of_round, poses, centres)) < _SETTLED:
-            break
+        settled = max(map(_shift, start_of_round, poses, centres)) < _SETTLED
     pairs = _match(patches, trees, picks, poses, distance)
     found = np.array(
         [
@@ -146,7 +148,7 @@ def align_patches(
         ]
     )
     moved = np.array(list(map(_shift, start, poses, centres)))
-    return Alignment(poses, found, residual, moved, iterations)
+    return Alignment(poses, found, residual, moved, iterations, settled)
 
 
 @dataclass(frozen=True)

@@ -137,10 +137,17 @@ def _merge_views(
     recorder.end(
         "align",
         iterations=aligned.iterations,
+        settled=int(aligned.settled),
         residual_mm=round(aligned.residual, 4),
         least_overlap=round(float(aligned.overlap.min()), 3),
         largest_move_mm=round(float(aligned.moved.max()), 3),
     )
+    if aligned.residual > edge_length:
+        raise MeshError(
+            f"{scan.source or 'scan'}: aligned views still lie "
+            f"{aligned.residual:.2f} mm apart; check the poses, and that the hand "
+            "did not move between views"
+        )
     points = np.concatenate(
         [
             transform(pose, patch.points)

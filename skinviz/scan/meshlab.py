@@ -44,11 +44,10 @@ class Filter:
 
 @dataclass(frozen=True)
 class FilterResult:
-    """The mesh after the filters, and what each filter reported."""
+    """The current mesh after the filters."""
 
     points: Points
     faces: Faces
-    outputs: tuple[dict[str, Any], ...]
 
 
 def run_filters(
@@ -78,7 +77,7 @@ def run_filters(
     Returns
     -------
     result : FilterResult
-        The current mesh at the end and each filter's output.
+        The current mesh at the end.
 
     Raises
     ------
@@ -115,13 +114,12 @@ def run_filters(
                 f"pymeshlab ({names}) took longer than {timeout:g} s and was "
                 "stopped; give it a coarser edge length or more time"
             ) from error
-        if done.returncode != 0 or not (job / "outputs.json").exists():
+        if done.returncode != 0 or not (job / "output.npz").exists():
             raise MeshError(_failure(names, done.returncode, done.stderr))
         with np.load(job / "output.npz") as result:
             out_points = result["points"].astype(np.float64)
             out_faces = result["faces"].astype(np.int64).reshape(-1, 3)
-        outputs = json.loads((job / "outputs.json").read_text(encoding="utf-8"))
-    return FilterResult(out_points, out_faces, tuple(outputs))
+    return FilterResult(out_points, out_faces)
 
 
 def _failure(names: str, code: int, stderr: bytes) -> str:

@@ -72,11 +72,22 @@ def transform(
     return points @ pose[:3, :3].T + pose[:3, 3]
 
 
-def scale_to_millimetres(unit: str | None, source: str) -> float:
-    """Return the factor to mm; a scan file states no unit, so one must be given."""
+def scale_to_millimetres(
+    given: str | None, source: str, stated: str | None = None
+) -> float:
+    """Return the factor to mm, from the unit given or the one that a file states."""
+    for unit in (given, stated):
+        if unit is not None:
+            one_of(unit, MILLIMETRES, "unit of length")
+    if given is not None and stated is not None and given != stated:
+        raise MeshError(
+            f"{source}: the file states its unit as {stated}, and {given} was given; "
+            "leave the unit out"
+        )
+    unit = given if given is not None else stated
     if unit is None:
         raise MeshError(
             f"{source}: the format states no unit of length; say it with "
             f"unit= or --unit ({', '.join(MILLIMETRES)})"
         )
-    return MILLIMETRES[one_of(unit, MILLIMETRES, "unit of length")]
+    return MILLIMETRES[unit]

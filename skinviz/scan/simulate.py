@@ -24,6 +24,8 @@ from skinviz.scan.scan import RangeView, Scan
 if TYPE_CHECKING:
     import pyvista
 
+_MOST_RAYS = 20_000_000  # a view of them takes about 2 GB
+
 
 @dataclass(frozen=True)
 class Scanner:
@@ -205,6 +207,11 @@ def _one_view(
     low, high = local.min(axis=0) - scanner.pitch, local.max(axis=0) + scanner.pitch
     columns = np.arange(low[0], high[0], scanner.pitch)
     rows = np.arange(low[1], high[1], scanner.pitch)
+    if columns.size * rows.size > _MOST_RAYS:
+        raise ArgumentError(
+            f"a pitch of {scanner.pitch:g} mm takes {columns.size * rows.size:.1e} "
+            f"rays a view; {_MOST_RAYS:.0e} at most"
+        )
     grid = np.stack(np.meshgrid(columns, rows), axis=-1)
     top = 3 * caster.radius
     start = np.concatenate([grid, np.full((*grid.shape[:2], 1), top)], axis=-1)

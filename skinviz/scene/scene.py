@@ -30,7 +30,7 @@ LARGEST_PICTURE = 16384
 _MOST_PIXELS = 2**26
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Skin:
     """A model of skin and its parameters, on the whole mesh or at each vertex.
 
@@ -76,7 +76,7 @@ class Skin:
         return cls(fit.model, fit.values)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DirectionalLight:
     """A far light.
 
@@ -103,7 +103,7 @@ class DirectionalLight:
         in_range(self.strength, 1e-30, 1e30, "light strength")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Camera:
     """A far viewer: parallel rays, the whole mesh in the picture.
 
@@ -150,7 +150,7 @@ def _picture_size(size: object) -> tuple[int, int]:
     return width, height
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """Everything that a picture depends on.
 

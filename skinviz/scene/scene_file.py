@@ -64,6 +64,14 @@ _TABLES = {
 }
 
 
+_TISSUE = {"site", "thickness", "coefficients"}
+_SKIN_KEYS = {
+    "weights": {"model", "specular"} | _TISSUE,
+    "fit": {"record"},
+    "archive": {"model", "specular", "origin", "subject"} | _TISSUE,
+}
+
+
 def read_scene(path: str | os.PathLike[str]) -> Scene:
     """Read a scene from a TOML file.
 
@@ -168,26 +176,29 @@ def _is_number(value: Any) -> bool:
 
 def _skin(table: dict[str, Any], folder: Path) -> Skin:
     """Return the skin: weights given, read from a fit file, or fitted now."""
-    sources = [key for key in ("weights", "fit", "archive") if key in table]
+    sources = [key for key in _SKIN_KEYS if key in table]
     if len(sources) != 1:
         raise DataError(
             "[skin] needs exactly one of weights = [w_m, w_h, w_dh], "
             f'fit = "fit.json" and archive = "issa"; got {sources or "none"}'
         )
-    if sources == ["fit"]:
+    (source,) = sources
+    idle = sorted(table.keys() - _SKIN_KEYS[source] - {source})
+    if idle:
+        raise DataError(f"[skin] with {source} has no use for {', '.join(idle)}")
+    if source == "fit":
         return skin_from_fit_file(folder / table["fit"], table.get("record", 0))
-    if "specular" not in table and "archive" not in table:
+    options = {key: table[key] for key in _TISSUE if key in table}
+    name = table.get("model", "two-layer")
+    if source == "archive":
+        return _archive_skin(table, name, options)
+    if "specular" not in table:
         raise DataError(
             '[skin] needs specular = "excluded", "included" or a number: how the '
             "spectrum behind the weights was measured"
         )
-    keys = ("site", "thickness", "coefficients")
-    options = {key: table[key] for key in keys if key in table}
-    name = table.get("model", "two-layer")
-    if sources == ["weights"]:
-        model = skin_model(name, specular=table["specular"], **options)
-        return Skin(model, np.asarray(table["weights"], dtype=np.float64))
-    return _archive_skin(table, name, options)
+    model = skin_model(name, specular=table["specular"], **options)
+    return Skin(model, np.asarray(table["weights"], dtype=np.float64))
 
 
 def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> Skin:
@@ -199,10 +210,15 @@ def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> 
             raise DataError(f"[skin] with archive needs {key} = ...")
         chosen &= archive[key].values == str(table[key])
     if not chosen.any():
+        sites = sorted(set(archive["site"].values))
         raise DataError(
             f"archive {table['archive']!r} has no spectrum of subject "
-            f"{table['subject']!r} of {table['origin']!r} at {table['site']!r}"
+            f"{table['subject']!r} of {table['origin']!r} at {table['site']!r}; its "
+            f"sites are {', '.join(sites)}, its origins "
+            f"{', '.join(sorted(set(archive['origin'].values)))}"
         )
+    if "thickness" in options:  # then the site only names the spectrum
+        options = {key: options[key] for key in options if key != "site"}
     spectrum = archive.reflectance.values[chosen].mean(axis=0)
     specular = table.get("specular", archive.attrs["specular"])
     model = skin_model(name, specular=specular, **options)
@@ -214,21 +230,20 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
     file = existing_file(path, DataError)
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
-        if content["format"] != FIT_FORMAT:
-            raise KeyError(content["format"])
-        entry = content["fits"][record]
-        model = skin_model(
-            content["model"],
-            specular=content["specular"],
-            thickness=tuple(content["thickness_mm"]),
-            coefficients=content["coefficients"],
-            hypodermis=content["hypodermis"],
-        )
-        values = [entry["parameters"][p.name]["value"] for p in model.parameters]
-    except (ValueError, KeyError, IndexError, TypeError) as error:
-        raise DataError(
-            f"{file}: not a fit file of 'skinviz fit', or it has no record {record}"
-        ) from error
+        known = content["format"] == FIT_FORMAT
+        fits = content["fits"]
+        options = {key: content[key] for key in ("specular", "coefficients")}
+        name, thickness = content["model"], content["thickness_mm"]
+        backing = content["hypodermis"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise DataError(f"{file}: not a fit file of 'skinviz fit'") from error
+    if not known:
+        raise DataError(f"{file}: written as {content['format']!r}; fit the file anew")
+    if record >= len(fits):
+        raise DataError(f"{file} has {len(fits)} records, 0 the first; got {record}")
+    model = skin_model(name, thickness=thickness, hypodermis=backing, **options)
+    weights = fits[record]["parameters"]
+    values = [weights[p.name]["value"] for p in model.parameters]
     if any(value is None for value in values):
         raise DataError(
             f"{file}: record {record} was refused by the fit; choose another"
@@ -256,10 +271,15 @@ def _light(
 ) -> DirectionalLight:
     """Return one light, its direction given or from its angle."""
     if "direction" in table:
+        if "angle" in table:
+            raise DataError("[[lights]] takes direction or angle, not both")
         direction = table["direction"]
     else:
         assert frame is not None  # noqa: S101 - made whenever a direction is missing
-        own = np.deg2rad(float(table["angle"])) if "angle" in table else angle
+        degrees = float(table.get("angle", 0.0))
+        if not -90 <= degrees <= 90:
+            raise DataError(f"angle in [[lights]] must be -90 to 90; got {degrees:g}")
+        own = np.deg2rad(degrees) if "angle" in table else angle
         direction = frame.direction(own)
     return DirectionalLight(
         direction,

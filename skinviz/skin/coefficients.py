@@ -24,7 +24,7 @@ COEFFICIENT_SETS = ("effective", "textbook")
 """Names of the shipped sets; the first is the default."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coefficients:
     """Kubelka–Munk coefficients of pigments and tissue at some wavelengths.
 

@@ -25,13 +25,18 @@ Array = NDArray[np.float64]
 STATUSES = ("converged", "at_bound", "not_converged", "refused")
 """What can be said of one spectrum's fit."""
 
+CONVERGED, AT_BOUND, NOT_CONVERGED, REFUSED = STATUSES
+
+WHY_REFUSED = "too few bands for the parameters, or a value below 0 or above 1.5"
+"""What makes a spectrum one that cannot be fitted."""
+
 _COVERED = (400.0, 700.0)  # nm that the data must span
 _HIGHEST = 1.5  # above this it is no reflectance, however glossy
 _NO_BLOOD = 1e-300  # keeps a quotient of zeros finite
 _CHUNK = 4096  # spectra solved at once, which bounds the memory
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SkinFit:
     """A model fitted to one spectrum or a batch of them.
 
@@ -86,6 +91,11 @@ class SkinFit:
         return np.sqrt(self.sse / np.maximum(self.n_bands, 1))
 
     @property
+    def sse_61(self) -> Array:
+        """The sum of squares scaled to the paper's 61 bands."""
+        return self.sse * 61 / np.maximum(self.n_bands, 1)
+
+    @property
     def blood_fraction(self) -> Array:
         """w_h + w_dh, the effective blood fraction of the dermis. [1]"""
         return self._of(self.values, "w_h") + self._of(self.values, "w_dh")
@@ -127,12 +137,13 @@ class SkinFit:
         FitError
             Says how many, and which came first.
         """
-        failed = np.isin(self.status, ("not_converged", "refused"))
+        failed = np.isin(self.status, (NOT_CONVERGED, REFUSED))
         if failed.any():
             first = tuple(int(i) for i in np.argwhere(failed)[0])
             raise FitError(
                 f"{int(failed.sum())} of {self.status.size} spectra were not fitted; "
-                f"the first, at index {first}, is {str(self.status[first])!r}"
+                f"the first, at index {first}, is {str(self.status[first])!r} "
+                f"({REFUSED}: {WHY_REFUSED})"
             )
 
     def to_xarray(self) -> xarray.Dataset:
@@ -289,8 +300,8 @@ def _fit_chunk(
         bounds=bounds,
         absolute=sigma is not None,
     )
-    status = np.where(found.held.any(axis=1), "at_bound", "converged")
-    status = np.where(found.converged, status, "not_converged")
+    status = np.where(found.held.any(axis=1), AT_BOUND, CONVERGED)
+    status = np.where(found.converged, status, NOT_CONVERGED)
     body = model.reflectance(found.values, bands)
     square = np.where(used, target - found.predicted, 0.0) ** 2
     known = {
@@ -308,7 +319,7 @@ def _fit_chunk(
     return {
         **known,
         "n_bands": used.sum(axis=1),
-        "status": np.where(fit_for_it, status, "refused"),
+        "status": np.where(fit_for_it, status, REFUSED),
     }
 
 

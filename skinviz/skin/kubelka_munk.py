@@ -111,7 +111,7 @@ def kubelka_munk_layer(
             f"{depth.shape} do not broadcast together"
         ) from error
     fluxes = layer_fluxes(absorption, scattering, depth)
-    return fluxes.reflectance, fluxes.transmittance
+    return np.asarray(fluxes.reflectance), np.asarray(fluxes.transmittance)
 
 
 def layer_fluxes(K: Array, S: Array, D: Array) -> LayerFluxes:

@@ -16,6 +16,7 @@ from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import Coefficients
 from skinviz.skin.interface import Interface, interface
 from skinviz.skin.kubelka_munk import LARGEST, SMALLEST
+from skinviz.spectra.measurement import as_specular
 
 Array = NDArray[np.float64]
 
@@ -84,7 +85,7 @@ class SkinModel(ABC):
             if depth not in (0, np.inf):
                 in_range(depth, SMALLEST, LARGEST, f"thickness of the {tissue}", "mm")
         in_range(self.hypodermis, 0.0, 1.0, "hypodermis")
-        interface(self.specular)
+        object.__setattr__(self, "specular", as_specular(self.specular))
 
     @abstractmethod
     def _body(self, values: Array, at: Coefficients) -> Array:

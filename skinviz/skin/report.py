@@ -34,11 +34,11 @@ def fit_to_dict(fit: SkinFit, labels: Sequence[str]) -> dict[str, Any]:
         raise ArgumentError(f"{len(labels)} labels for {fit.status.size} spectra")
     table = fit.to_xarray()
     saturation, blood = fit.oxygen_saturation.ravel(), fit.blood_fraction.ravel()
+    scaled = fit.sse_61.ravel()
     low, high = fit.oxygen_saturation_interval.reshape(-1, 2).T
     records = []
     for i, label in enumerate(labels):
         row = table.isel(record=i)
-        n_bands = int(row.n_bands)
         weights = {
             name: {
                 "value": _plain(row.value.values[k]),
@@ -58,9 +58,9 @@ def fit_to_dict(fit: SkinFit, labels: Sequence[str]) -> dict[str, Any]:
                     "upper": _plain(high[i]),
                 },
                 "blood_fraction": _plain(blood[i]),
-                "n_bands": n_bands,
+                "n_bands": int(row.n_bands),
                 "sse": _plain(row.sse),
-                "sse_61": _plain(row.sse * 61 / n_bands) if n_bands else None,
+                "sse_61": _plain(scaled[i]),
                 "rmse": _plain(row.rmse),
                 "delta_e_2000": _plain(row.delta_e),
             }

@@ -44,7 +44,8 @@ def read_spectra(
     scale : {"fraction", "percent"}
         Whether the file has 0–1 or 0–100. Declared, never guessed.
     specular : {"excluded", "included"} or float, optional
-        How the surface reflection was measured, if the file does not say it.
+        How the surface reflection was measured, if the file does not say it; a
+        contradiction is refused.
 
     Returns
     -------
@@ -71,9 +72,18 @@ def read_spectra(
     attributes: dict[str, str | float] = {"source": str(file)}
     if "geometry" in notes:
         attributes["geometry"] = notes["geometry"]
-    how = specular if specular is not None else notes.get("specular")
-    if how is not None:
-        attributes["specular"] = _specular(how, file)
+    told = [
+        _specular(how, file)
+        for how in (specular, notes.get("specular"))
+        if how is not None
+    ]
+    if len(set(told)) > 1:
+        raise DataError(
+            f"{file} says that its surface reflection is {told[1]}, and {told[0]} was "
+            "given; correct the one that is wrong"
+        )
+    if told:
+        attributes["specular"] = told[0]
     return xarray.Dataset(
         {"reflectance": (("record", "wavelength"), values * factor, {"units": "1"})},
         coords={
@@ -182,7 +192,10 @@ def _table(
     elif len(across) > 1 and len(rows) > 1:
         return _table_across(rows, across, file)
     else:
-        raise DataError(f"{file}: the layout is neither of {_LAYOUTS}")
+        raise DataError(
+            f"{file}: the layout is neither of {_LAYOUTS}; its first line begins "
+            f"{', '.join(header)[:60]!r}"
+        )
     if not body:
         raise DataError(f"{file}: a header and no data")
     grid = np.array([[_number(c, n, file) for c in cells] for n, cells in body])
@@ -219,7 +232,8 @@ def _number(cell: str, line: int, file: Path) -> float:
     """Return a cell's number or say where it is not one."""
     if not _is_number(cell):
         what = "an empty cell" if not cell else repr(cell)
-        raise DataError(f"{file} line {line}: expected a number, found {what}")
+        hint = "; write decimal points, not commas" if "," in cell else ""
+        raise DataError(f"{file} line {line}: expected a number, found {what}{hint}")
     return float(cell)
 
 
@@ -257,7 +271,9 @@ def _require_reflectance(
 ) -> None:
     """Refuse what cannot be reflectance on the declared scale."""
     highest = 1.5 / SCALES[scale]
-    visible = values[:, (wavelengths >= 400) & (wavelengths <= 700)]
+    # Beyond the visible, instruments are noisy and nothing uses the bands.
+    inside = (wavelengths >= 400) & (wavelengths <= 700)
+    wavelengths, values = wavelengths[inside], values[:, inside]
     checks = (
         (~np.isfinite(values), "is not finite; remove the band or the spectrum"),
         (values < 0, "is negative; check the dark and white measurements"),
@@ -275,7 +291,7 @@ def _require_reflectance(
                 f"{file}, spectrum {labels[record]!r} at {wavelengths[band]:g} nm: "
                 f"{values[record, band]:g} {why}"
             )
-    if scale == "percent" and visible.size and visible.max() <= 1.0:
+    if scale == "percent" and values.size and values.max() <= 1.0:
         raise DataError(
             f"{file}: every value is at most 1, which is no skin in per cent; say "
             "--scale fraction"

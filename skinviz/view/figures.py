@@ -101,12 +101,12 @@ def hands_figure(
         )
         first = figure.add_subplot(sides[0])
         panels.reflectance_panel(first, site.measured, site.fit)
-        first.set_title(f"{site.name}: measured and fitted")
+        first.set_title(f"{site.name}: measured and fitted", parse_math=False)
         second = figure.add_subplot(sides[1])
         panels.residual_panel(second, site.measured, site.fit)
         second.set_title(
             f"SSE × 61/{int(site.fit.n_bands)} = "
-            f"{float(site.fit.sse) * 61 / int(site.fit.n_bands):.4f},   "
+            f"{float(site.fit.sse_61):.4f},   "
             f"RMSE {float(site.fit.rmse):.4f},   "
             rf"$\Delta E_{{00}}$ {float(site.fit.delta_e):.2f}",
             fontsize=8.5,
@@ -115,7 +115,15 @@ def hands_figure(
         panels.radiance_panel(third, spectrum)
         third.set_title(f"radiance at P, {next(iter(pictures))}")
         figure.align_ylabels([first, second, third])
-        figure.text(0.012, 0.028, caption, fontsize=7.5, color="0.35", va="center")
+        figure.text(
+            0.012,
+            0.028,
+            caption,
+            fontsize=7.5,
+            color="0.35",
+            va="center",
+            parse_math=False,
+        )
     return figure
 
 
@@ -154,19 +162,24 @@ def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:
             curves = figure.add_subplot(grid[0, column])
             panels.reflectance_panel(curves, site.measured, site.fit)
             curves.set_ylim(0, top)
-            curves.set_title(site.name)
+            curves.set_title(site.name, parse_math=False)
             residual = figure.add_subplot(grid[1, column])
             panels.residual_panel(residual, site.measured, site.fit)
             residual.set_ylim(-spread, spread)
-            n_bands = int(site.fit.n_bands)
             residual.set_title(
-                f"SSE × 61/{n_bands} = {float(site.fit.sse) * 61 / n_bands:.4f}",
+                f"SSE × 61/{int(site.fit.n_bands)} = {float(site.fit.sse_61):.4f}",
                 fontsize=8.5,
             )
             _swatches(figure.add_subplot(grid[3, column]), site)
-        figure.suptitle(title, fontsize=11, y=0.965)
+        figure.suptitle(title, fontsize=11, y=0.965, parse_math=False)
         figure.text(
-            0.1 / width, 0.018, caption, fontsize=7.5, color="0.35", va="center"
+            0.1 / width,
+            0.018,
+            caption,
+            fontsize=7.5,
+            color="0.35",
+            va="center",
+            parse_math=False,
         )
     return figure
 

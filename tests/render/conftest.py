@@ -20,9 +20,6 @@ class Painted:
     def checked(self, values):
         return np.asarray(values, dtype=np.float64)
 
-    def checked(self, values):
-        return np.asarray(values, dtype=np.float64)
-
     def diffuse(self, values, wavelengths):
         return np.broadcast_to(
             np.asarray(values), (*np.shape(values)[:-1], len(wavelengths))

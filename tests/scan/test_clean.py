@@ -454,7 +454,7 @@ def test_a_whole_object_seen_from_everywhere_has_no_opening():
     points, faces = topology.arrays(sphere(60, 4))
     egg = polydata(points * [1.0, 0.8, 1.3], faces)
     directions = np.concatenate([np.eye(3), -np.eye(3), [[1, 1, 1]]])
-    scanner = Scanner(pitch=3.0, pose_shift=0.2)
+    scanner = Scanner(pitch=4.0, pose_shift=0.2)
     scan = simulate_scan(egg, directions, scanner, np.random.default_rng(3))
     mesh, report = clean_scan(scan, edge_length=COARSE)
     check_clean(mesh, n_boundaries=0)

@@ -80,7 +80,7 @@ def test_everything_that_can_be_said_is_heard(folder):
         """
         [mesh]
         path = "plane.ply"
-        unit = "cm"
+        unit = "mm"
 
         [skin]
         model = "two-layer"
@@ -113,7 +113,7 @@ def test_everything_that_can_be_said_is_heard(folder):
         observer = "cie1964"
         """,
     )
-    assert np.ptp(scene.mesh.points[:, 0]) == pytest.approx(400)
+    assert np.ptp(scene.mesh.points[:, 0]) == pytest.approx(40)
     assert scene.skin.model == skin_model(
         thickness=(0.05, 1.5), specular=0.03, coefficients="textbook"
     )
@@ -269,7 +269,10 @@ WRONG = {
     "fit is binary": (MESH + "[skin]\nfit = 'bin.json'", r"bin\.json.*not a fit file"),
     "fit is a list": (MESH + "[skin]\nfit = 'list.json'", r"list\.json.*not a fit"),
     "fit of another program": (MESH + "[skin]\nfit = 'other.json'", "not a fit file"),
-    "no such record": (MESH + "[skin]\nfit = 'fit.json'\nrecord = 9", "no record 9"),
+    "no such record": (
+        MESH + "[skin]\nfit = 'fit.json'\nrecord = 9",
+        "has 2 records.*got 9",
+    ),
     "refused record": (MESH + "[skin]\nfit = 'fit.json'\nrecord = 1", "refused"),
     "negative record": (MESH + "[skin]\nfit = 'fit.json'\nrecord = -1", "record"),
     "archive": (MESH + "[skin]\narchive = 'x'", "archive"),

@@ -114,10 +114,12 @@ def test_notes_tell_how_it_was_measured(written):
     }
 
 
-def test_the_caller_knows_better_than_the_notes(written):
+@pytest.mark.parametrize("given", ["excluded", 0.03])
+def test_a_caller_who_contradicts_the_notes_is_refused(written, given):
     path = written("# specular: included\n" + DOWN)
-    assert read_spectra(path, specular="excluded").attrs["specular"] == "excluded"
-    assert read_spectra(path, specular=0.03).attrs["specular"] == 0.03
+    with pytest.raises(DataError, match=rf"hand\.csv says .*included.*{given}"):
+        read_spectra(path, specular=given)
+    assert read_spectra(path, specular="included").attrs["specular"] == "included"
 
 
 def test_without_notes_nothing_is_claimed(written):

@@ -29,7 +29,7 @@ def view_from_ply(
     ply: Any, path: Path, unit: str | None, pose: NDArray[np.float64]
 ) -> RangeView:
     """Return the range view in a parsed PLY file, in mm."""
-    scale = scale_to_millimetres(unit or stated_unit(ply), str(path))
+    scale = scale_to_millimetres(unit, str(path), stated_unit(ply))
     info = dict(words[:2] for line in ply.obj_info if len(words := line.split()) >= 2)
     try:
         rows, columns = int(info["num_rows"]), int(info["num_cols"])
@@ -85,7 +85,7 @@ def read_conf(path: Path, unit: str | None) -> Scan:
         ply = read_ply(file)
         if not is_range_grid(ply):
             raise MeshError(f"{file}: has no range_grid, which {where} expects")
-        scale = scale_to_millimetres(unit or stated_unit(ply), str(file))
+        scale = scale_to_millimetres(unit, str(file), stated_unit(ply))
         views.append(view_from_ply(ply, file, unit, _pose(words[-7:], scale, where)))
     if not views:
         raise MeshError(f"{path}: no 'bmesh' line, so no view to read")

@@ -40,7 +40,7 @@ def mesh_from_ply(ply: Any, path: Path, unit: str | None) -> pyvista.PolyData:
     if not names:
         raise MeshError(f"{path}: faces without vertex_indices")
     faces = _triangles(cells[names[0]], len(points), path)
-    scale = scale_to_millimetres(unit or stated_unit(ply), str(path))
+    scale = scale_to_millimetres(unit, str(path), stated_unit(ply))
     mesh = topology.polydata(points * scale, faces)
     require_triangles(mesh, str(path))
     return mesh
@@ -95,9 +95,9 @@ def read_vtp(path: Path, unit: str | None) -> pyvista.PolyData:
     if not isinstance(mesh, pv.PolyData):
         raise MeshError(f"{path}: not a surface but a {type(mesh).__name__}")
     stated = mesh.field_data.get(UNIT_FIELD)
-    named = unit or (str(stated[0]) if stated is not None else None)
+    named = str(stated[0]) if stated is not None else None
     points, faces = require_triangles(mesh, str(path))
-    scale = scale_to_millimetres(named, str(path))
+    scale = scale_to_millimetres(unit, str(path), named)
     if not mesh.is_all_triangles:
         return topology.polydata(points * scale, faces)
     mesh.points = points * scale

@@ -70,3 +70,11 @@ def test_a_path_may_be_text(tmp_path):
     scan = read_scan(str(tmp_path / "a.ply"))
     assert scan.source == str(tmp_path / "a.ply")
     assert scan.mesh.n_cells == 4
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".vtp"])
+def test_a_unit_that_contradicts_the_file_is_refused(tmp_path, suffix):
+    file = write_mesh(tmp_path / f"hand{suffix}", tetrahedron())
+    assert read_scan(file, "mm").mesh.n_cells == 4
+    with pytest.raises(MeshError, match=rf"hand\{suffix}.*states its unit as mm"):
+        read_scan(file, "m")
