@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinviz.cli.output import say, say_json
+from skinviz.errors import DataError
 
 if TYPE_CHECKING:
     from skinviz.scan.scan import Scan
@@ -26,6 +27,11 @@ def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
     json
         Print it as JSON.
     """
+    if file.suffix.lower() in (".csv", ".json"):
+        raise DataError(
+            f"{file}: info is for scenes (.toml), scans and meshes; spectra are shown "
+            "by skinviz fit"
+        )
     if file.suffix.lower() == ".toml":
         from skinviz.scene.scene_file import read_scene
 

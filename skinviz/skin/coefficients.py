@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinviz._validate import as_wavelengths, one_of
+from skinviz.errors import ArgumentError
 from skinviz.spectra.wavelengths import resample
 
 Array = NDArray[np.float64]
@@ -97,24 +98,16 @@ def load_coefficients(name: str = "effective") -> Coefficients:
 
 
 @cache
-def _thickness_table() -> dict[str, tuple[float, float]]:
-    """Return Table I: (epidermis, dermis) in mm, by our and the paper's names."""
+def _thickness_rows() -> tuple[dict[str, str], ...]:
+    """Return the rows of Table I as they stand in the file."""
     table = files("skinviz.skin") / "data" / "thickness.csv"
     with table.open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    return {
-        row[column].casefold(): (float(row["epidermis_mm"]), float(row["dermis_mm"]))
-        for column in ("paper_name", "site")
-        for row in rows
-    }
+        return tuple(csv.DictReader(file))
 
 
-@cache
 def body_sites() -> tuple[str, ...]:
     """Return the body sites of Table I, by the names of the archives."""
-    table = files("skinviz.skin") / "data" / "thickness.csv"
-    with table.open(encoding="utf-8") as file:
-        return tuple(row["site"] for row in csv.DictReader(file))
+    return tuple(row["site"] for row in _thickness_rows())
 
 
 def layer_thickness(site: str) -> tuple[float, float]:
@@ -135,7 +128,11 @@ def layer_thickness(site: str) -> tuple[float, float]:
     ArgumentError
         If the site is not in the table.
     """
-    table = _thickness_table()
-    if site.casefold() not in table:
-        one_of(site, body_sites(), "body site")
-    return table[site.casefold()]
+    name = str(site).casefold()
+    for row in _thickness_rows():
+        if name in (row["site"].casefold(), row["paper_name"].casefold()):
+            return float(row["epidermis_mm"]), float(row["dermis_mm"])
+    raise ArgumentError(
+        f"unknown body site {site!r}; choose one of: {', '.join(body_sites())}; or "
+        "give thickness = (epidermis, dermis) in mm"
+    )

@@ -61,6 +61,7 @@ class TorranceSparrow:
     ) -> TorranceSparrow:
         """Return the surface with the weight β of eq. (10) given itself. [1], ≥ 0"""
         in_range(gamma, 1e-4, np.pi / 2, "gamma", "rad")
+        in_range(beta, 0.0, 1e6, "beta")
         return cls(gamma, n, beta / physical_beta(gamma), masking)
 
     @property
