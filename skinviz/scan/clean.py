@@ -133,6 +133,10 @@ def _merge_views(
     _record_patches(recorder, [counts for _, _, counts in made])
 
     recorder.begin("align")
+    placed = [
+        transform(v.pose, p.points) for v, p in zip(scan.views, patches, strict=True)
+    ]
+    require_hand_size(np.concatenate(placed), scan.source or "scan")
     aligned = align_patches(patches, tuple(view.pose for view in scan.views))
     recorder.end(
         "align",
@@ -160,7 +164,6 @@ def _merge_views(
             for pose, patch in zip(aligned.poses, patches, strict=True)
         ]
     )
-    require_hand_size(points, scan.source or "scan")
 
     recorder.begin("merge")
     support = 2 * edge_length

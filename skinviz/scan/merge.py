@@ -11,6 +11,8 @@ from skinviz.scan import topology
 from skinviz.scan.meshlab import DEFAULT_TIMEOUT, Filter, run_filters
 from skinviz.scan.topology import Faces, Points
 
+_BOXES = (1.1, 1.6, 2.2)  # sides of the octree in the points' extent, tried in turn
+
 
 @dataclass(frozen=True)
 class Merged:
@@ -46,8 +48,7 @@ def merge(
     Returns
     -------
     merged : Merged
-        Holes are filled smoothly and marked unsupported. The surface is closed,
-        unless a wide gap lets it bulge out of the box around the points.
+        A closed surface: holes are filled smoothly and marked unsupported.
 
     References
     ----------
@@ -55,15 +56,20 @@ def merge(
     """
     from scipy.spatial import cKDTree
 
-    scale = 1.1
-    side = scale * float(np.ptp(points, axis=0).max())
-    depth = int(np.clip(np.ceil(np.log2(side / cell)), 5, 11))
-    poisson = Filter(
-        "generate_surface_reconstruction_screened_poisson",
-        {"depth": depth, "scale": scale, "preclean": True},
-    )
     no_faces = np.zeros((0, 3), dtype=np.int64)
-    result = run_filters(points, no_faces, [poisson], normals=normals, timeout=timeout)
+    for scale in _BOXES:
+        side = scale * float(np.ptp(points, axis=0).max())
+        depth = int(np.clip(np.ceil(np.log2(side / cell)), 5, 11))
+        poisson = Filter(
+            "generate_surface_reconstruction_screened_poisson",
+            {"depth": depth, "scale": scale, "preclean": True},
+        )
+        result = run_filters(
+            points, no_faces, [poisson], normals=normals, timeout=timeout
+        )
+        # A cap that bulges out of the box is cut off by it: its edge is no wrist.
+        if not topology.boundary_edges(result.faces).size:
+            break
     distance, _ = cKDTree(points).query(result.points, workers=-1)
     faces = _largest_component(len(result.points), result.faces)
     return Merged(result.points, faces, np.asarray(distance <= support))

@@ -7,6 +7,7 @@ of ours. A crash, a time-out or an error comes back as a ``MeshError``.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -106,6 +107,9 @@ def run_filters(
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
+                # Its threads would spin while they wait, which on shared cores
+                # costs several times the work.
+                env={"OMP_WAIT_POLICY": "passive", **os.environ},
                 timeout=timeout,
                 check=False,
             )

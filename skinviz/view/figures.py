@@ -78,7 +78,9 @@ def hands_figure(
             axes.imshow(picture.rgb, interpolation="antialiased")
             axes.set_title(title)
             axes.set_axis_off()
-            at = picture.project(point)
+            # imshow counts from the middles of pixels, a picture from their edges.
+            column_at, row_at = picture.project(point)
+            at = (column_at - 0.5, row_at - 0.5)
             axes.plot(*at, "o", ms=9, mfc="none", mec="w", mew=1.6)
             axes.plot(*at, "o", ms=11, mfc="none", mec="k", mew=0.7)
             axes.annotate(

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinviz._files import whole_file
 from skinviz._system import require_system_libraries
+from skinviz._validate import one_of
 from skinviz.errors import MeshError
 from skinviz.scene.scene import Camera
 from skinviz.spectra.colorimetry import decode_srgb, encode_srgb
@@ -131,6 +132,7 @@ def save_picture(picture: Picture, path: str | os.PathLike[str]) -> Path:
     from PIL.PngImagePlugin import PngInfo
 
     file = Path(path)
+    one_of(file.suffix.lower(), (".png",), "suffix of a picture")
     marks = PngInfo()
     marks.add(b"sRGB", b"\x00")  # rendering intent: perceptual
     with whole_file(file) as partial:

@@ -12,14 +12,6 @@ from skinviz.scan.scan import Scan
 from skinviz.scan.shipped import DEMO_SCAN, TRUE_SHAPE, shipped_mesh
 
 
-@pytest.fixture(scope="session", autouse=True)
-def patient_threads():
-    """Let pymeshlab's threads sleep while they wait: they share few cores with us."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("OMP_WAIT_POLICY", "passive")
-        yield
-
-
 @dataclass(frozen=True)
 class Cleaned:
     """The shipped raw scan, what cleaning made of it, and the shape it is a scan of."""
