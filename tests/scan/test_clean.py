@@ -446,7 +446,8 @@ def test_nothing_is_made_up_beyond_the_wrist_with_long_edges():
     check_clean(mesh)
     assert report["open wrist"]["openings"] == 1
     assert np.asarray(mesh.points)[:, 2].min() > -1
-    assert quantiles(distance_to(toy_hand(), mesh.points))[0] < 0.4
+    # Cells of up to 5 mm round off fingers of 8 mm radius by up to 5²/(4 · 8) mm.
+    assert quantiles(distance_to(toy_hand(), mesh.points))[0] < 5**2 / (4 * 8)
 
 
 @pytest.mark.slow
