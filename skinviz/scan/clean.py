@@ -17,7 +17,7 @@ from skinviz.errors import MeshError
 from skinviz.scan import topology
 from skinviz.scan.align import align_patches
 from skinviz.scan.checks import require_hand_size, require_triangles
-from skinviz.scan.merge import merge, unsupported_regions
+from skinviz.scan.merge import Merged, merge, unsupported_regions
 from skinviz.scan.meshlab import DEFAULT_TIMEOUT, Filter, run_filters
 from skinviz.scan.report import CleaningReport, Progress, Recorder
 from skinviz.scan.scan import Scan, transform
@@ -123,7 +123,7 @@ def _merge_views(
     min_island: int,
     timeout: float,
 ) -> tuple[Points, Faces]:
-    """Triangulate, align and merge range views; open the wrist."""
+    """Triangulate, align and merge range views, and open the wrist."""
     recorder.begin("triangulate")
     made = [
         make_patch(view, max_incidence=max_incidence, min_island=min_island)
@@ -169,7 +169,13 @@ def _merge_views(
     support = 2 * edge_length
     merged = merge(points, normals, cell=edge_length, support=support, timeout=timeout)
     recorder.end("merge", measured_points=len(points), faces=len(merged.faces))
+    return _open_wrist(merged, support, scan.source or "scan", recorder)
 
+
+def _open_wrist(
+    merged: Merged, support: float, source: str, recorder: Recorder
+) -> tuple[Points, Faces]:
+    """Cut away the widest region without evidence, if it is as wide as a wrist."""
     recorder.begin("open wrist")
     regions = unsupported_regions(merged)
     areas = [
@@ -179,7 +185,7 @@ def _merge_views(
     whole = float(topology.face_areas(merged.points, merged.faces).sum())
     if sum(areas) > _MOST_UNMEASURED * whole:
         raise MeshError(
-            f"{scan.source or 'scan'}: {sum(areas) / whole:.0%} of the surface was "
+            f"{source}: {sum(areas) / whole:.0%} of the surface was "
             "never measured; scan the hand from all around"
         )
     opened = bool(areas) and areas[0] >= _SMALLEST_WRIST
@@ -222,13 +228,12 @@ def _repair(
         timeout=timeout,
     )
     labels = topology.face_components(len(result.points), result.faces)
-    sizes = np.bincount(labels)
-    main = result.faces[labels == sizes.argmax()]
+    main = topology.largest_piece(len(result.points), result.faces)
     recorder.end(
         "repair",
         non_manifold_edges=bad_edges,
         faces_removed=len(faces) - len(result.faces),
-        islands=int(sizes.size - 1),
+        islands=int(labels.max()),
         island_faces=len(result.faces) - len(main),
     )
     return topology.compact(result.points, main)

@@ -71,7 +71,7 @@ def merge(
         if not topology.boundary_edges(result.faces).size:
             break
     distance, _ = cKDTree(points).query(result.points, workers=-1)
-    faces = _largest_component(len(result.points), result.faces)
+    faces = topology.largest_piece(len(result.points), result.faces)
     return Merged(result.points, faces, np.asarray(distance <= support))
 
 
@@ -84,9 +84,3 @@ def unsupported_regions(merged: Merged) -> list[NDArray[np.int64]]:
     area = topology.face_areas(merged.points, merged.faces[bare])
     order = np.argsort(-np.bincount(labels, area))
     return [bare[labels == label] for label in order]
-
-
-def _largest_component(n_points: int, faces: Faces) -> Faces:
-    """Return the faces of the piece with the most triangles."""
-    labels = topology.face_components(n_points, faces)
-    return np.asarray(faces[labels == np.bincount(labels).argmax()])

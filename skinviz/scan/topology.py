@@ -73,6 +73,12 @@ def face_components(n_points: int, faces: Faces) -> NDArray[np.int64]:
     return np.unique(labels, return_inverse=True)[1].astype(np.int64)
 
 
+def largest_piece(n_points: int, faces: Faces) -> Faces:
+    """Return the faces of the connected piece with the most triangles."""
+    labels = face_components(n_points, faces)
+    return np.asarray(faces[labels == np.bincount(labels).argmax()])
+
+
 def boundary_loops(faces: Faces) -> list[NDArray[np.int64]]:
     """Return the points of each connected boundary, largest first (unordered)."""
     edges = boundary_edges(faces)

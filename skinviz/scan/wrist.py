@@ -43,5 +43,4 @@ def cut_wrist(
     mesh = topology.polydata(merged.points, merged.faces)
     half = mesh.clip(normal=-normal, origin=origin).triangulate()
     points, faces = topology.arrays(half)
-    labels = topology.face_components(len(points), faces)
-    return topology.compact(points, faces[labels == np.bincount(labels).argmax()])
+    return topology.compact(points, topology.largest_piece(len(points), faces))
