@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from skinviz.scene.hand import HandFrame, hand_frame
     from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
     from skinviz.scene.scene_file import read_scene
-    from skinviz.skin.fit import SkinFit, fit_skin
+    from skinviz.skin.fit import fit_skin
     from skinviz.skin.kubelka_munk import kubelka_munk_layer
     from skinviz.skin.models import skin_model, skin_models
+    from skinviz.skin.skin_fit import SkinFit
     from skinviz.spectra.archives import load_archive
     from skinviz.spectra.files import read_spectra, write_spectra
     from skinviz.surface.torrance_sparrow import TorranceSparrow
@@ -63,7 +64,7 @@ _HOME = {
     "Scene": "scene.scene",
     "Skin": "scene.scene",
     "read_scene": "scene.scene_file",
-    "SkinFit": "skin.fit",
+    "SkinFit": "skin.skin_fit",
     "fit_skin": "skin.fit",
     "kubelka_munk_layer": "skin.kubelka_munk",
     "skin_model": "skin.models",

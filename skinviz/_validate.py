@@ -30,21 +30,45 @@ def as_wavelengths(wavelengths: ArrayLike) -> NDArray[np.float64]:
     return values
 
 
-def as_spectra(
-    values: ArrayLike, n_wavelengths: int, name: str, *, nan_allowed: bool = False
-) -> NDArray[np.float64]:
-    """Return values as float64 with the wavelength axis last and of that length."""
+def as_spectra(values: ArrayLike, n_wavelengths: int, name: str) -> NDArray[np.float64]:
+    """Return finite values as float64, wavelengths last and of that length."""
     array = as_numbers(values, name)
+    require_spectra(array, n_wavelengths, name)
+    bad = ~np.isfinite(array)
+    if np.any(bad):
+        raise ArgumentError(f"{name} must be finite; index {_first(bad)} is not")
+    return array
+
+
+def as_measured(
+    values: ArrayLike, n_wavelengths: int, name: str
+) -> NDArray[np.float32] | NDArray[np.float64]:
+    """Return values that may be NaN where nothing was measured; float32 stays so."""
+    array = np.asarray(values)
+    if array.dtype != np.float32:
+        array = as_numbers(values, name)
+    require_spectra(array, n_wavelengths, name)
+    bad = np.isinf(array)
+    if np.any(bad):
+        raise ArgumentError(
+            f"{name} must be finite, or NaN where not measured; index {_first(bad)} "
+            "is infinite"
+        )
+    return array
+
+
+def require_spectra(array: NDArray[Any], n_wavelengths: int, name: str) -> None:
+    """Refuse an array whose last axis is not the wavelengths."""
     if array.ndim == 0 or array.shape[-1] != n_wavelengths:
         raise ArgumentError(
             f"{name} must have the {n_wavelengths} wavelengths on its last axis; "
             f"got shape {array.shape}"
         )
-    bad = np.isinf(array) if nan_allowed else ~np.isfinite(array)
-    if np.any(bad):
-        where = tuple(int(i) for i in np.argwhere(bad)[0])
-        raise ArgumentError(f"{name} must be finite; index {where} is not")
-    return array
+
+
+def _first(bad: NDArray[np.bool_]) -> tuple[int, ...]:
+    """Return the index of the first that is bad."""
+    return tuple(int(i) for i in np.argwhere(bad)[0])
 
 
 def in_range(value: float, low: float, high: float, name: str, unit: str = "") -> float:

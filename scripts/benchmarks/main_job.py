@@ -17,11 +17,7 @@ from skinviz.scan.clean import clean_scan
 from skinviz.scan.formats import read_mesh, read_scan
 from skinviz.scan.shipped import DEMO_SCAN, TRUE_SHAPE, shipped_mesh
 from skinviz.skin.fit import fit_skin
-from skinviz.skin.kubelka_munk import (
-    kubelka_munk_layer,
-    layer_fluxes,
-    stack_reflectance,
-)
+from skinviz.skin.kubelka_munk import kubelka_munk_layer
 from skinviz.skin.models import skin_model
 from skinviz.spectra.archives import load_archive
 from skinviz.spectra.colorimetry import delta_e_2000, spectrum_to_xyz, xyz_to_lab
@@ -43,7 +39,7 @@ def main() -> None:
 
 
 def optics(rng: np.random.Generator, n: int = 4000) -> None:
-    """Compare layer and stack with 60 digits, over the declared range."""
+    """Compare the layer with 60 digits, over the declared range."""
     mp.mp.dps = 150  # so that 60 digits are right after the hyperbolic form cancels
     K, S, D = (_declared(rng, n) for _ in range(3))
     R, T = kubelka_munk_layer(K, S, D)
@@ -54,18 +50,6 @@ def optics(rng: np.random.Generator, n: int = 4000) -> None:
         if true_t >= mp.mpf("2.3e-308"):
             worst_t = max(worst_t, _relative(t, true_t))
     print(f"layer against mpmath, {n} points: R {worst_r:.1e}, T {worst_t:.1e}")
-    worst = 0.0
-    arguments = [_declared(rng, n // 2) for _ in range(6)]
-    top, bottom = (layer_fluxes(*arguments[i : i + 3]) for i in (0, 3))
-    stack = stack_reflectance(top, bottom, 1.0)
-    for i, value in enumerate(stack):
-        r1, t1 = _layer(*(a[i] for a in arguments[:3]))
-        r2, t2 = _layer(*(a[i] for a in arguments[3:]))
-        base = r2 + t2**2 / (1 - r2) if r2 != 1 else mp.mpf(1)
-        true = r1 + t1**2 * base / (1 - r1 * base)
-        if true == 0 or true >= mp.mpf("2.3e-308"):
-            worst = max(worst, _relative(value, true))
-    print(f"two layers over white, {n // 2} stacks: {worst:.1e}")
 
 
 def fits() -> None:

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 from skinviz.cli.output import progress_bar, say, say_files, say_json, write_json
 
 if TYPE_CHECKING:
-    from skinviz.skin.fit import SkinFit
+    from skinviz.skin.skin_fit import SkinFit
 
 _PLOTTED = 4  # spectra in a plot: more would be too small to read
 
@@ -113,7 +113,7 @@ def fit(
 
 def _table(found: SkinFit, labels: list[str]) -> str:
     """Return the fits as a table, one line a spectrum."""
-    from skinviz.skin.fit import REFUSED, WHY_REFUSED
+    from skinviz.skin.skin_fit import REFUSED, WHY_REFUSED
 
     width = max(len("spectrum"), *(len(label) for label in labels))
     names = "".join(f"{name:>26}" for name in found.parameters)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from skinviz._validate import as_numbers, as_wavelengths, in_range, one_of, unit_vector
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan.checks import require_triangles
-from skinviz.skin.fit import SkinFit
 from skinviz.skin.model import SkinModel
+from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.colorimetry import OBSERVERS
 from skinviz.spectra.illuminants import illuminant_spd
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS

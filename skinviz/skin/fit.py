@@ -1,190 +1,31 @@
-"""Fitting a skin model to measured spectra, and how sure the result is."""
+"""Fitting a skin model to measured spectra: from arrays to the solver and back."""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinviz._validate import as_spectra, as_wavelengths
-from skinviz.errors import ArgumentError, FitError
+from skinviz._threads import in_slices
+from skinviz._validate import as_measured, as_spectra, as_wavelengths
+from skinviz.errors import ArgumentError
 from skinviz.skin.model import SkinModel
-from skinviz.skin.solver import Solution, solve
+from skinviz.skin.skin_fit import REFUSED, STATUSES, SkinFit
 from skinviz.skin.uncertainty import covariance_and_interval
-from skinviz.spectra.colorimetry import delta_e_2000, xyz_to_lab, xyz_weights
+from skinviz.spectra.colorimetry import xyz_weights
 from skinviz.spectra.illuminants import illuminant_spd
 
 if TYPE_CHECKING:
-    import xarray
+    from skinviz.skin.problem import Problem, Solutions
 
 Array = NDArray[np.float64]
 
-STATUSES = ("converged", "at_bound", "not_converged", "refused")
-"""What can be said of one spectrum's fit."""
-
-CONVERGED, AT_BOUND, NOT_CONVERGED, REFUSED = STATUSES
-
-WHY_REFUSED = "too few bands for the parameters, or a value below 0 or above 1.5"
-"""What makes a spectrum one that cannot be fitted."""
-
+_STATUSES = np.array(STATUSES)
 _COVERED = (400.0, 700.0)  # nm that the data must span
-_HIGHEST = 1.5  # above this it is no reflectance, however glossy
-_NO_BLOOD = 1e-300  # keeps a quotient of zeros finite
-_CHUNK = 4096  # spectra solved at once, which bounds the memory
-
-
-@dataclass(frozen=True, eq=False)
-class SkinFit:
-    """A model fitted to one spectrum or a batch of them.
-
-    Attributes
-    ----------
-    model : SkinModel
-        What was fitted.
-    wavelengths : (n,) ndarray
-        Bands of the data. [nm]
-    parameters : tuple of str
-        Names of the parameters, in the order of ``values``.
-    values : (..., p) ndarray
-        The estimates; NaN where refused.
-    covariance : (..., p, p) ndarray
-        Of the estimates; rows and columns of a parameter at its bound are 0.
-    interval : (..., p, 2) ndarray
-        95 % interval; one-sided for a parameter at its bound.
-    sse : (...) ndarray
-        Sum of squared differences over the bands used.
-    n_bands : (...) ndarray of int
-        How many bands were used.
-    delta_e : (...) ndarray
-        ΔE00 of measured and fitted under D65, 2° observer.
-    fitted : (..., n) ndarray
-        The model's version of what was measured. [1]
-    reflectance : (..., n) ndarray
-        R_b, the body under the surface. [1]
-    diffuse : (..., n) ndarray
-        What has left the skin from inside: the diffuse term of a picture. [1]
-    status : (...) ndarray of str
-        "converged", "at_bound" (converged, a parameter at its bound),
-        "not_converged" or "refused".
-    """
-
-    model: SkinModel
-    wavelengths: Array
-    parameters: tuple[str, ...]
-    values: Array
-    covariance: Array
-    interval: Array
-    sse: Array
-    n_bands: NDArray[np.int64]
-    delta_e: Array
-    fitted: Array
-    reflectance: Array
-    diffuse: Array
-    status: NDArray[np.str_]
-
-    @property
-    def rmse(self) -> Array:
-        """Root mean square difference over the bands used. [1]"""
-        return np.sqrt(self.sse / np.maximum(self.n_bands, 1))
-
-    @property
-    def sse_61(self) -> Array:
-        """The sum of squares scaled to the paper's 61 bands."""
-        return self.sse * 61 / np.maximum(self.n_bands, 1)
-
-    @property
-    def blood_fraction(self) -> Array:
-        """w_h + w_dh, the effective blood fraction of the dermis. [1]"""
-        return self._of(self.values, "w_h") + self._of(self.values, "w_dh")
-
-    @property
-    def oxygen_saturation(self) -> Array:
-        """w_h/(w_h + w_dh); NaN where no blood was found. [1]"""
-        blood = self.blood_fraction
-        share = self._of(self.values, "w_h") / np.where(blood == 0, 1.0, blood)
-        return np.where(blood == 0, np.nan, share)
-
-    @property
-    def oxygen_saturation_interval(self) -> Array:
-        """Bounds (..., 2) of the oxygen saturation; 0 to 1 where no blood was found.
-
-        From the ends of the intervals of w_h and w_dh: the data trade the one for
-        the other, so they err in opposite directions. [1]
-        """
-        oxy, deoxy = (self._of(self.interval, name) for name in ("w_h", "w_dh"))
-        low = oxy[..., 0] / np.maximum(oxy[..., 0] + deoxy[..., 1], _NO_BLOOD)
-        high = oxy[..., 1] / np.maximum(oxy[..., 1] + deoxy[..., 0], _NO_BLOOD)
-        empty = self.blood_fraction == 0
-        return np.stack([np.where(empty, 0, low), np.where(empty, 1, high)], axis=-1)
-
-    def __getitem__(self, index: Any) -> SkinFit:
-        """Return the fit of some spectra of the batch, indexed as an array is."""
-        arrays: dict[str, Any] = {
-            field.name: np.asarray(getattr(self, field.name)[index])
-            for field in dataclasses.fields(self)
-            if field.name not in ("model", "wavelengths", "parameters")
-        }
-        return dataclasses.replace(self, **arrays)
-
-    def raise_for_status(self) -> None:
-        """Raise if any spectrum's fit did not converge or was refused.
-
-        Raises
-        ------
-        FitError
-            Says how many, and which came first.
-        """
-        failed = np.isin(self.status, (NOT_CONVERGED, REFUSED))
-        if failed.any():
-            first = tuple(int(i) for i in np.argwhere(failed)[0])
-            raise FitError(
-                f"{int(failed.sum())} of {self.status.size} spectra were not fitted; "
-                f"the first, at index {first}, is {str(self.status[first])!r} "
-                f"({REFUSED}: {WHY_REFUSED})"
-            )
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Return the fit as a labelled table, dims record, parameter, wavelength."""
-        import xarray
-
-        n, p = self.fitted.shape[-1], len(self.parameters)
-        flat = ("record", "parameter")
-        bands = ("record", "wavelength")
-        return xarray.Dataset(
-            {
-                "value": (flat, self.values.reshape(-1, p)),
-                "interval": ((*flat, "side"), self.interval.reshape(-1, p, 2)),
-                "covariance": (
-                    ("record", "parameter", "other_parameter"),
-                    self.covariance.reshape(-1, p, p),
-                ),
-                "sse": ("record", self.sse.ravel()),
-                "rmse": ("record", self.rmse.ravel()),
-                "n_bands": ("record", self.n_bands.ravel()),
-                "delta_e": ("record", self.delta_e.ravel()),
-                "status": ("record", self.status.ravel()),
-                "fitted": (bands, self.fitted.reshape(-1, n)),
-                "reflectance": (bands, self.reflectance.reshape(-1, n)),
-                "diffuse": (bands, self.diffuse.reshape(-1, n)),
-            },
-            coords={
-                "parameter": list(self.parameters),
-                "other_parameter": list(self.parameters),
-                "side": ["lower", "upper"],
-                "wavelength": self.wavelengths,
-            },
-            attrs={"model": self.model.name, "specular": str(self.model.specular)},
-        )
-
-    def _of(self, table: Array, name: str) -> Array:
-        """Return a parameter's part of a table with the parameters after the batch."""
-        if name not in self.parameters:
-            raise ArgumentError(f"the {self.model.name} model has no parameter {name}")
-        index = self.parameters.index(name)
-        return np.asarray(np.take(table, index, axis=self.values.ndim - 1))
+_SAMPLED = 12  # bands that tell one start from another
+_CHUNK = 2048  # spectra that a thread solves in one go, which bounds the memory
 
 
 def fit_skin(
@@ -193,6 +34,7 @@ def fit_skin(
     model: SkinModel,
     *,
     uncertainty: ArrayLike | None = None,
+    advance: Callable[[int], object] | None = None,
 ) -> SkinFit:
     """Fit a skin model's parameters to measured spectra by least squares.
 
@@ -207,6 +49,9 @@ def fit_skin(
     uncertainty : (n,) or (..., n) array_like, optional
         Standard deviation of each band. The fit is then weighted and the
         covariance absolute; without it the residual scales the covariance. [1]
+
+    advance : callable, optional
+        Told the number of spectra of each part that is done, for a progress bar.
 
     Returns
     -------
@@ -235,106 +80,113 @@ def fit_skin(
             f"a fit needs spectra that span {_COVERED[0]:g} to {_COVERED[1]:g} nm; "
             f"these cover {bands[0]:g} to {bands[-1]:g} nm"
         )
-    data = as_spectra(reflectance, bands.size, "reflectance", nan_allowed=True)
+    data = as_measured(reflectance, bands.size, "reflectance")
     # The paper's range: beyond it the tables are weaker and the model unproven.
-    inside = (bands >= _COVERED[0]) & (bands <= _COVERED[1])
+    inside = slice(
+        int(np.searchsorted(bands, _COVERED[0])),
+        int(np.searchsorted(bands, _COVERED[1], side="right")),
+    )
+    sigma = _sigma(uncertainty, data.shape)[..., inside]
     bands, data = bands[inside], data[..., inside]
-    sigma = _sigma(uncertainty, inside, data.shape)
-    flat = data.reshape(-1, bands.size)
-    batch = data.shape[:-1]
-    flat_sigma = None if sigma is None else sigma.reshape(flat.shape)
-    parts = [
-        _fit_chunk(
-            flat[i : i + _CHUNK],
-            bands,
-            model,
-            None if flat_sigma is None else flat_sigma[i : i + _CHUNK],
-        )
-        for i in range(0, max(len(flat), 1), _CHUNK)
-    ]
-    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    shaped = {name: a.reshape(batch + a.shape[1:]) for name, a in joined.items()}
+    flat, batch = data.reshape(-1, bands.size), data.shape[:-1]
+    problem = _problem(model, bands)
+    results = _room(len(flat), len(model.parameters))
+
+    def work(rows: slice) -> None:
+        from skinviz.skin import problem as memory
+        from skinviz.skin.solver import solve
+
+        part = np.array(flat[rows], dtype=np.float64, order="C")
+        own = np.array(sigma[rows] if len(sigma) > 1 else sigma, order="C")
+        found = memory.room(len(part), len(problem.low))
+        solve(model.evaluate, problem, part, own, model.prior_unit, found)
+        for name, values in _conclusions(problem, found, absolute=len(own) > 0).items():
+            results[name][rows] = values
+
+    in_slices(work, len(flat), _CHUNK, advance)
+    shaped = {name: a.reshape(batch + a.shape[1:]) for name, a in results.items()}
     names = tuple(parameter.name for parameter in model.parameters)
     return SkinFit(model=model, wavelengths=bands, parameters=names, **shaped)
 
 
-def _sigma(
-    uncertainty: ArrayLike | None, inside: NDArray[np.bool_], shape: tuple[int, ...]
-) -> Array | None:
-    """Return the standard deviations at the bands used, broadcast to the data."""
+def _sigma(uncertainty: ArrayLike | None, shape: tuple[int, ...]) -> Array:
+    """Return the standard deviations of each row, of all rows, or none (0, n)."""
     if uncertainty is None:
-        return None
-    sigma = as_spectra(uncertainty, inside.size, "uncertainty")[..., inside]
+        return np.zeros((0, shape[-1]))
+    sigma = as_spectra(uncertainty, shape[-1], "uncertainty")
     if not (sigma > 0).all():
         raise ArgumentError("uncertainty must be greater than 0 in every band")
+    if sigma.ndim == 1:
+        return sigma[None]
     try:
-        return np.broadcast_to(sigma, shape)
+        return np.broadcast_to(sigma, shape).reshape(-1, shape[-1])
     except ValueError as error:
         raise ArgumentError(
             f"uncertainty {sigma.shape} does not broadcast to {shape}"
         ) from error
 
 
-def _fit_chunk(
-    data: Array, bands: Array, model: SkinModel, sigma: Array | None
+def _problem(model: SkinModel, bands: Array) -> Problem:
+    """Return what all spectra share, padded to whole vectors."""
+    from skinviz.skin.problem import Problem
+
+    table, constants = model.arrays(bands, model.interface)
+    starts, n = model.starts, table.shape[1]
+    curves, slopes = model.curves_and_slopes(starts, table, constants)
+    sampled = np.arange(0, bands.size, max(1, bands.size // _SAMPLED))
+    observer = np.zeros((3, n))
+    observer[:, : bands.size] = xyz_weights(bands, illuminant_spd("D65", bands)).T
+    parameters = model.parameters
+    return Problem(
+        table,
+        constants,
+        low=np.array([p.lower for p in parameters]),
+        high=np.array([p.upper for p in parameters]),
+        centre=np.array([p.expected for p in parameters]),
+        stiffness=np.array([p.spread**-2.0 for p in parameters]),
+        starts=starts,
+        curves=curves,
+        slopes=slopes,
+        sampled=sampled,
+        sketch=np.ascontiguousarray(curves[:, sampled].T),
+        observer=observer,
+    )
+
+
+def _room(m: int, p: int) -> dict[str, NDArray[Any]]:
+    """Return SkinFit's arrays for m spectra and p parameters."""
+    return {
+        "values": np.zeros((m, p)),
+        "covariance": np.zeros((m, p, p)),
+        "interval": np.zeros((m, p, 2)),
+        "sse": np.zeros(m),
+        "n_bands": np.zeros(m, dtype=np.int64),
+        "xyz": np.zeros((m, 2, 3)),
+        "chi_square": np.zeros(m),
+        "status": np.zeros(m, dtype=_STATUSES.dtype),
+    }
+
+
+def _conclusions(
+    problem: Problem, found: Solutions, *, absolute: bool
 ) -> dict[str, NDArray[Any]]:
-    """Fit a moderate number of spectra (m, n); return SkinFit's arrays."""
-    used = np.isfinite(data)
-    fit_for_it = used.sum(axis=1) > len(model.parameters)
-    fit_for_it &= ~((data < 0) | (data > _HIGHEST)).any(axis=1)
-    used &= fit_for_it[:, None]
-    target = np.where(used, data, 0.0)
-    weights = used.astype(np.float64) if sigma is None else used / sigma**2
-    bounds = np.array([(p.lower, p.upper) for p in model.parameters]).T
-
-    def predict(values: Array) -> tuple[Array, Array]:
-        return model.measured_and_jacobian(values, bands)
-
-    start = _best_start(predict(model.starts)[0], model.starts, target, weights)
-    found = solve(predict, target, weights, start, bounds)
+    """Return SkinFit's arrays of spectra that were solved."""
     covariance, interval = covariance_and_interval(
         found,
-        target,
-        weights,
-        n_used=used.sum(axis=1),
-        bounds=bounds,
-        absolute=sigma is not None,
+        problem.stiffness,
+        np.stack([problem.low, problem.high]),
+        absolute=absolute,
     )
-    status = np.where(found.held.any(axis=1), AT_BOUND, CONVERGED)
-    status = np.where(found.converged, status, NOT_CONVERGED)
-    body = model.reflectance(found.values, bands)
-    square = np.where(used, target - found.predicted, 0.0) ** 2
-    known = {
+    status = _STATUSES[found.status]
+    refused = status == REFUSED
+    known: dict[str, NDArray[Any]] = {
         "values": found.values,
         "covariance": covariance,
         "interval": interval,
-        "sse": square.sum(axis=1),
-        "delta_e": _delta_e(np.where(used, target, found.predicted), found, bands),
-        "fitted": found.predicted,
-        "reflectance": body,
-        "diffuse": model.interface.diffuse(body),
+        "sse": found.sse,
+        "xyz": found.colours,
+        "chi_square": found.cost / found.unit,  # NaN where σ is not known
     }
     for values in known.values():
-        values[~fit_for_it] = np.nan
-    return {
-        **known,
-        "n_bands": used.sum(axis=1),
-        "status": np.where(fit_for_it, status, REFUSED),
-    }
-
-
-def _best_start(curves: Array, starts: Array, target: Array, weights: Array) -> Array:
-    """Return for each problem the start (m, p) whose curve already fits it best."""
-    # Σ w (c − t)² without forming (m, k, n): the t² term is the same for all.
-    cost = weights @ (curves**2).T - 2 * (weights * target) @ curves.T
-    return np.asarray(starts[np.argmin(cost, axis=1)])
-
-
-def _delta_e(measured: Array, found: Solution, bands: Array) -> Array:
-    """Return ΔE00 (m,) of measured and fitted under D65, 2° observer."""
-    weights = xyz_weights(bands, illuminant_spd("D65", bands))
-    white = weights.sum(axis=0)
-    return delta_e_2000(
-        xyz_to_lab(measured @ weights, white),
-        xyz_to_lab(found.predicted @ weights, white),
-    )
+        values[refused] = np.nan
+    return {**known, "n_bands": np.where(refused, 0, found.n_used), "status": status}

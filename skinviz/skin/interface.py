@@ -48,6 +48,10 @@ class Interface:
         return self.transmission / (1 - self.internal * reflectance) ** 2
 
 
+BARE = Interface(0.0, 1.0, 0.0)
+"""No surface: what is measured is R_b."""
+
+
 def interface(specular: str | float) -> Interface:
     """Return the interface for how the surface reflection was measured.
 
@@ -74,7 +78,7 @@ def interface(specular: str | float) -> Interface:
     """
     how = as_specular(specular)
     if how == EXCLUDED:
-        return Interface(0.0, 1.0, 0.0)
+        return BARE
     if how == INCLUDED:
         outside = ((SKIN_INDEX - 1) / (SKIN_INDEX + 1)) ** 2
         inside = diffuse_internal_reflectance(SKIN_INDEX)

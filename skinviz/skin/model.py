@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -11,10 +10,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinviz._threads import in_slices
 from skinviz._validate import as_numbers, as_wavelengths, in_range
 from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import Coefficients
-from skinviz.skin.interface import Interface, interface
+from skinviz.skin.interface import BARE, Interface, interface
 from skinviz.skin.kubelka_munk import LARGEST, SMALLEST
 from skinviz.spectra.measurement import as_specular
 
@@ -35,6 +35,8 @@ class Parameter:
         Bounds within which it has a meaning.
     meaning : str
         One line for people.
+    expected, spread : float
+        Mean and standard deviation of a normal prior; a spread of ``inf`` is none.
     """
 
     name: str
@@ -42,6 +44,8 @@ class Parameter:
     lower: float
     upper: float
     meaning: str
+    expected: float = 0.0
+    spread: float = np.inf
 
 
 PIGMENTS = (
@@ -52,12 +56,27 @@ PIGMENTS = (
 """The paper's three weights."""
 
 
+VECTOR = 4
+"""Numbers that a processor computes at once."""
+
+_USUAL_EPIDERMIS = 0.035  # mm
+_USUAL_WEIGHTS = (
+    (0.01, 0.02, 0.04, 0.06, 0.08, 0.11, 0.15, 0.2, 0.28, 0.4, 0.8),  # w_m
+    (1e-3, 3e-3, 5e-3, 8e-3, 0.014, 0.025, 0.05),  # w_h + w_dh
+    (0.0, 0.35, 0.65, 1.0),  # the share of w_h
+)
+_CHUNK = 4096  # spectra that a thread computes in one go
+
+
 @dataclass(frozen=True)
-class SkinModel(ABC):
+class SkinModel:
     """From a few parameters to spectra; parameters and wavelengths on last axes.
 
-    A model is a subclass with a name and two methods, ``_body`` and
-    ``_body_slopes``; it touches neither the fit nor the solver.
+    A model is a subclass with a name and one compiled function, ``evaluate``; it
+    touches neither the fit nor the solver. ``evaluate(values, table, constants,
+    scratch, measured, jacobian)`` fills in what is measured (n,) and, unless
+    ``jacobian`` has no rows, its derivatives (p, n), for ``_table`` at n bands and
+    the numbers of ``_constants``.
 
     Attributes
     ----------
@@ -76,8 +95,11 @@ class SkinModel(ABC):
     specular: str | float
     hypodermis: float = 1.0
 
+    prior_unit: ClassVar[float] = 1e-4
+    """σ² of a band against which priors weigh where no uncertainty is given. [1]"""
+
     name: ClassVar[str]
-    parameters: ClassVar[tuple[Parameter, ...]] = PIGMENTS
+    evaluate: ClassVar[Any]
 
     def __post_init__(self) -> None:
         """Refuse a thickness or backing that no skin has."""
@@ -87,13 +109,33 @@ class SkinModel(ABC):
         in_range(self.hypodermis, 0.0, 1.0, "hypodermis")
         object.__setattr__(self, "specular", as_specular(self.specular))
 
-    @abstractmethod
-    def _body(self, values: Array, at: Coefficients) -> Array:
-        """Return R_b (..., n) of valid values (..., p)."""
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What a fit seeks, in the order of the values."""
+        return PIGMENTS
 
-    @abstractmethod
-    def _body_slopes(self, values: Array, at: Coefficients) -> tuple[Array, Array]:
-        """Return R_b (m, n) and its derivatives (m, n, p) of valid values (m, p)."""
+    def _table(self, at: Coefficients) -> Array:
+        """Return what ``evaluate`` needs at each band (k, n)."""
+        return np.stack(
+            [
+                at.melanin,
+                at.oxyhaemoglobin,
+                at.deoxyhaemoglobin,
+                at.epidermis,
+                at.dermis,
+            ]
+        )
+
+    def _constants(self, surface: Interface) -> tuple[float, ...]:
+        """Return what ``evaluate`` needs once, seen through a surface."""
+        return (
+            *(*self.thickness, self.hypodermis),
+            *(surface.offset, surface.transmission, surface.internal),
+        )
+
+    def _of_body(self, values: Array) -> Array:
+        """Return values without what belongs to the surface."""
+        return values
 
     @cached_property
     def interface(self) -> Interface:
@@ -115,9 +157,11 @@ class SkinModel(ABC):
     @cached_property
     def starts(self) -> Array:
         """Parameter sets (k, p) that span human skin, for a fit to start from."""
-        melanin, blood, oxygen = (0.02, 0.1, 0.3, 0.8), (2e-3, 0.01, 0.04), (0.3, 0.8)
+        epidermis = self.thickness[0]
+        # Only w_m times the thickness shows.
+        thin = _USUAL_EPIDERMIS / epidermis if 0 < epidermis < np.inf else 1.0
         return np.array(
-            [(m, b * s, b * (1 - s)) for m, b, s in product(melanin, blood, oxygen)]
+            [(m * thin, b * s, b * (1 - s)) for m, b, s in product(*_USUAL_WEIGHTS)]
         )
 
     def reflectance(self, values: ArrayLike, wavelengths: ArrayLike) -> Array:
@@ -141,8 +185,7 @@ class SkinModel(ABC):
             If a parameter is outside its bounds or not finite, or a wavelength
             lies outside the table.
         """
-        bands = as_wavelengths(wavelengths)
-        return self._body(self.checked(values), self.coefficients.at(bands))
+        return self._spectra(self._of_body(self.checked(values)), wavelengths, BARE)
 
     def diffuse(self, values: ArrayLike, wavelengths: ArrayLike) -> Array:
         """Return the light that has been inside the skin and left it.
@@ -159,17 +202,48 @@ class SkinModel(ABC):
 
         Parameters and errors as :meth:`reflectance`; returns (..., n). [1]
         """
-        return self.interface.measured(self.reflectance(values, wavelengths))
+        return self._spectra(self.checked(values), wavelengths, self.interface)
 
-    def measured_and_jacobian(
-        self, values: Array, wavelengths: Array
+    def arrays(self, wavelengths: ArrayLike, surface: Interface) -> tuple[Array, Array]:
+        """Return table and constants for ``evaluate``, padded to whole vectors.
+
+        The added bands repeat the last; loops over a multiple of ``VECTOR`` bands
+        have no slow rest.
+        """
+        bands = as_wavelengths(wavelengths)
+        table = self._table(self.coefficients.at(bands))
+        padded = np.pad(table, ((0, 0), (0, -bands.size % VECTOR)), mode="edge")
+        return padded, np.array(self._constants(surface), dtype=np.float64)
+
+    def curves_and_slopes(
+        self, values: Array, table: Array, constants: Array
     ) -> tuple[Array, Array]:
-        """Return ``measured`` (m, n) and its derivatives (m, n, p), unchecked."""
-        body, slopes = self._body_slopes(values, self.coefficients.at(wavelengths))
-        return (
-            self.interface.measured(body),
-            self.interface.slope(body)[..., None] * slopes,
-        )
+        """Return what is measured (m, N) and its derivatives (m, p, N), unchecked."""
+        from skinviz.skin.kernels import SCRATCH
+
+        n = table.shape[1]
+        scratch = np.zeros((SCRATCH, n))
+        curves, slopes = np.zeros((len(values), n)), np.zeros((*values.shape, n))
+        for own, curve, slope in zip(values, curves, slopes, strict=True):
+            self.evaluate(own, table, constants, scratch, curve, slope)
+        return curves, slopes
+
+    def _spectra(
+        self, values: Array, wavelengths: ArrayLike, surface: Interface
+    ) -> Array:
+        """Return spectra (..., n) of valid values (..., p) seen through a surface."""
+        from skinviz.skin.kernels import spectra
+
+        table, constants = self.arrays(wavelengths, surface)
+        flat = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
+        n = np.size(wavelengths)
+        measured = np.zeros((len(flat), n))
+
+        def fill(rows: slice) -> None:
+            spectra(self.evaluate, flat[rows], table, constants, measured[rows])
+
+        in_slices(fill, len(flat), _CHUNK)
+        return measured.reshape(*values.shape[:-1], n)
 
     def checked(self, values: ArrayLike) -> Array:
         """Return parameters (..., p) as float64 after checking their bounds.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from skinviz.errors import ArgumentError
-from skinviz.skin.fit import SkinFit
+from skinviz.skin.skin_fit import SkinFit
 
 FIT_FORMAT = "skinviz fit 1"
 """Marks a JSON file as a fit, so that a scene can name it."""

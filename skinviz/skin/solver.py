@@ -1,233 +1,285 @@
-"""Batched nonlinear least squares within bounds: one solver for every model.
+"""Nonlinear least squares within bounds, one small problem a spectrum, compiled.
 
-Levenberg–Marquardt on many small problems at once. A parameter at a bound whose
-gradient pushes outwards is held there (active set); the rest move, and a step
-that would cross a bound stops on it.
+Levenberg–Marquardt with an active set: a parameter at a bound whose gradient pushes
+outwards is held there, and a step that would cross a bound is solved again with that
+parameter on it. Where residuals stay large the Gauss–Newton matrix alone overshoots,
+so a secant estimate of what it leaves out is carried along [1]_. The solver knows a
+model only as a function that fills in a spectrum and its Jacobian.
+
+References
+----------
+.. [1] J. E. Dennis, D. M. Gay and R. E. Welsch, ACM Trans. Math. Softw. 7:348 (1981).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
 from numpy.typing import NDArray
 
+from skinviz._compile import called, compiled, summing
+from skinviz.skin.descent import (
+    Room,
+    differentiate,
+    hold,
+    is_level,
+    learn_bend,
+    new_room,
+    step,
+    take,
+)
+from skinviz.skin.kernels import EVALUATE, SCRATCH
+from skinviz.skin.problem import (
+    AT_BOUND,
+    CONVERGED,
+    HIGHEST,
+    MATRIX,
+    NOT_CONVERGED,
+    PROBLEM,
+    REFUSED,
+    SOLUTIONS,
+)
+
 Array = NDArray[np.float64]
-Predict = Callable[[Array], tuple[Array, Array]]
 
-_MAX_ITERATIONS = 200
-_STEP_TOLERANCE = 1e-8
-_GRADIENT_TOLERANCE = 1e-5
-_EXACT = 1e-7  # RMS residual below which the data are met; measurements have 1e-4
-_SHOWN = 1e-8  # cosine between a step and the gradient's change
-_DAMPING = (1e-14, 1e14)
-
-
-@dataclass(frozen=True)
-class Solution:
-    """Where the solver stopped, for each of m problems.
-
-    Attributes
-    ----------
-    values : (m, p) ndarray
-        The parameters.
-    predicted : (m, n) ndarray
-        The model there.
-    jacobian : (m, n, p) ndarray
-        Its derivatives there.
-    held : (m, p) ndarray of bool
-        Parameters held at a bound by the active set.
-    converged : (m,) ndarray of bool
-        Whether the residuals are orthogonal to every free parameter's effect.
-    """
-
-    values: Array
-    predicted: Array
-    jacobian: Array
-    held: NDArray[np.bool_]
-    converged: NDArray[np.bool_]
+_MOST_STEPS = 100
+_MOST_STARTS = 4
+_SETTLED = 1e-8  # share of the cost that the model still promises to gain
+_EXACT = 1e-13  # RMS residual below which the data are met
+_MET = 1e-7  # the same for a start that can go no further; measurements have 1e-4
+_FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-4, 1e-14, 1e12
+_TRUSTED = 1e-2  # damping up to which a small promise means that little is to be had
 
 
-def solve(
-    predict: Predict, target: Array, weights: Array, start: Array, bounds: Array
-) -> Solution:
-    """Minimise Σ weights (predicted − target)² of each problem within bounds.
+class _Work(NamedTuple):
+    """Memory of one thread; two states, the present one and one on trial."""
 
-    Parameters
-    ----------
-    predict : callable
-        From values (k, p) to predictions (k, n) and derivatives (k, n, p).
-    target, weights : (m, n) ndarray
-        Data and their weights, 0 for a band to leave out.
-    start : (m, p) ndarray
-        Where to begin, within the bounds.
-    bounds : (2, p) ndarray
-        Lowest and highest values.
-
-    Returns
-    -------
-    solution : Solution
-        Values at the minimum, or the best that was found.
-    """
-    low, high = bounds
-    values = start.copy()
-    predicted, jacobian = predict(values)
-    m, p = values.shape
-    # The minimum does not depend on the weights' scale; the arithmetic would.
-    largest = weights.max(axis=1, keepdims=True)
-    weights = weights / np.where(largest > 0, largest, 1.0)
-    bend = np.zeros((m, p, p))
-    cost = _cost(predicted, target, weights)
-    damping = np.full(m, 1e-3)
-    growth = np.full(m, 2.0)
-    working = np.arange(m)
-    for _ in range(_MAX_ITERATIONS):
-        if working.size == 0:
-            break
-        x, weight, aim = values[working], weights[working], target[working]
-        gradient, normal = _normal_equations(
-            predicted[working], jacobian[working], aim, weight
-        )
-        held = _held(x, gradient, low, high)
-        curvature = _curvature(normal, bend[working])
-        step = _step(gradient, curvature, held, damping[working])
-        trial = np.clip(x + step, low, high)
-        step = trial - x
-        new, new_jacobian = predict(trial)
-        new_cost = _cost(new, aim, weight)
-        # Where the model falls vertically no step can start: it may end there only
-        # if the data are met.
-        steep = ~np.isfinite(new_jacobian)
-        stuck = steep.any(axis=(1, 2)) & ~_is_met(new_cost, weight)
-        new_cost = np.where(stuck, np.inf, new_cost)
-        new_jacobian = np.where(steep, 0.0, new_jacobian)
-        promised = -_dot(gradient, step) - _quadratic(curvature, step) / 2
-        good = new_cost <= cost[working]
-        gain = np.where(good, cost[working] - new_cost, 0.0) / 2
-        trust = np.where(promised > gain, gain / np.where(promised > 0, promised, 1), 1)
-
-        accepted = working[good]
-        change = np.einsum(
-            "mnp,mn->mp",
-            new_jacobian[good] - jacobian[accepted],
-            weight[good] * (new[good] - aim[good]),
-        )
-        new_gradient, _ = _normal_equations(
-            new[good], new_jacobian[good], aim[good], weight[good]
-        )
-        bend[accepted] = _updated_bend(
-            bend[accepted], step[good], change, new_gradient - gradient[good]
-        )
-        values[accepted], cost[accepted] = trial[good], new_cost[good]
-        predicted[accepted], jacobian[accepted] = new[good], new_jacobian[good]
-
-        # Nielsen's rule: trust a step in proportion to how well it kept its promise.
-        shrink = np.maximum(0.1, 1 - (2 * np.clip(trust, 0, 1) - 1) ** 3)
-        damping[working] = np.clip(
-            damping[working] * np.where(good, shrink, growth[working]), *_DAMPING
-        )
-        growth[working] = np.where(good, 2.0, 2 * growth[working])
-        settled = np.abs(step) <= _STEP_TOLERANCE * (np.abs(x) + _STEP_TOLERANCE)
-        working = working[~settled.all(axis=1)]
-    gradient, normal = _normal_equations(predicted, jacobian, target, weights)
-    held = _held(values, gradient, low, high)
-    # The squared cosine between the residuals and each column of the Jacobian; it
-    # says nothing where the data are met exactly.
-    scale = np.einsum("mpp->mp", normal) * cost[:, None]
-    level = held | (gradient**2 <= _GRADIENT_TOLERANCE**2 * scale)
-    done = level.all(axis=1) | _is_met(cost, weights)
-    return Solution(values, predicted, jacobian, held, done)
+    target: Array  # (N,)
+    weight: Array  # (N,)
+    x: Array  # (2, p)
+    measured: Array  # (2, N)
+    jacobian: Array  # (2, p, N)
+    residual: Array  # (2, N), times the weights
+    gradient: Array  # (2, p)
+    normal: Array  # (2, p, p), the Gauss–Newton matrix
+    bend: Array  # (p, p), what it leaves out
+    move: Array  # (p,)
+    held: NDArray[np.bool_]  # (p,)
+    room: Room
+    stiffness: Array  # (p,)
+    ranking: Array  # (s,)
+    scratch: Array  # (SCRATCH, N)
 
 
-def _cost(predicted: Array, target: Array, weights: Array) -> Array:
-    """Return each problem's weighted sum of squares (m,)."""
-    return np.asarray((weights * (predicted - target) ** 2).sum(axis=-1))
-
-
-def _is_met(cost: Array, weights: Array) -> NDArray[np.bool_]:
-    """Return whether data (m,) are met as exactly as any measurement could tell."""
-    return np.asarray(cost <= _EXACT**2 * weights.sum(axis=1))
-
-
-def _normal_equations(
-    predicted: Array, jacobian: Array, target: Array, weights: Array
-) -> tuple[Array, Array]:
-    """Return the gradient (m, p) and the Gauss–Newton matrix (m, p, p)."""
-    weighted = weights[..., None] * jacobian
-    gradient = np.einsum("mnp,mn->mp", weighted, predicted - target)
-    return gradient, np.einsum("mnp,mnq->mpq", weighted, jacobian)
-
-
-def _curvature(normal: Array, bend: Array) -> Array:
-    """Return the Hessian (m, p, p) with the residuals' bend where that is convex."""
-    full = normal + bend
-    scale = np.sqrt(np.einsum("mpp->mp", normal))
-    scale = np.where(scale > 0, scale, 1.0)
-    scaled = full / (scale[:, :, None] * scale[:, None, :])
-    convex = np.linalg.eigvalsh(scaled)[:, 0] > 0
-    return np.where(convex[:, None, None], full, normal)
-
-
-def _updated_bend(bend: Array, step: Array, change: Array, pull: Array) -> Array:
-    """Return the secant estimate of Σ r ∇²r (m, p, p) after a step (m, p).
-
-    Dennis, Gay & Welsch's update, sized as they do [1]_: where residuals stay
-    large, Gauss–Newton alone overshoots and swings about the minimum.
-
-    References
-    ----------
-    .. [1] J. E. Dennis, D. M. Gay and R. E. Welsch, ACM Trans. Math. Softw. 7:348
-       (1981).
-    """
-    along = _dot(pull, step)
-    known = np.einsum("mpq,mq->mp", bend, step)
-    own = np.abs(_dot(step, known))
-    size = np.where(
-        own > 0,
-        np.minimum(1, np.abs(_dot(step, change)) / np.where(own > 0, own, 1.0)),
-        1.0,
+@called
+def _new_work(p: int, n: int, n_starts: int) -> Any:
+    """Return the memory of one thread."""
+    return _Work(
+        np.zeros(n),
+        np.zeros(n),
+        np.zeros((2, p)),
+        np.zeros((2, n)),
+        np.zeros((2, p, n)),
+        np.zeros((2, n)),
+        np.zeros((2, p)),
+        np.zeros((2, p, p)),
+        np.zeros((p, p)),
+        np.zeros(p),
+        np.zeros(p, np.bool_),
+        new_room(p),
+        np.zeros(p),
+        np.zeros(n_starts),
+        np.zeros((SCRATCH, n)),
     )
-    bend, known = bend * size[:, None, None], known * size[:, None]
-    # A step too short to show how the gradient turns teaches nothing.
-    shown = along > _SHOWN * np.sqrt(_dot(pull, pull) * _dot(step, step))
-    # Unit vectors along the pull keep powers of small steps from overflowing.
-    length = np.sqrt(_dot(pull, pull))
-    unit = pull / np.where(length > 0, length, 1.0)[:, None]
-    reach = np.where(shown, _dot(unit, step), 1.0)
-    miss = (change - known) / reach[:, None]
-    cross = miss[:, :, None] * unit[:, None, :]
-    twice = (_dot(step, miss) / reach)[:, None, None]
-    update = cross + cross.transpose(0, 2, 1) - twice * unit[:, :, None] * unit[:, None]
-    return np.asarray(np.where(shown[:, None, None], bend + update, bend))
 
 
-def _dot(a: Array, b: Array) -> Array:
-    """Return the scalar product of rows (m,)."""
-    return np.asarray(np.einsum("mp,mp->m", a, b))
+@called
+def _load(row: Any, sigma: Any, known: bool, target: Any, weight: Any) -> Any:
+    """Copy data and weights; return σ² of weight 1 and the bands used, 0 if refused."""
+    smallest = np.inf
+    n_used = 0
+    for j in range(row.size):
+        if np.isnan(row[j]):
+            continue
+        if row[j] < 0 or row[j] > HIGHEST:
+            return 1.0, 0
+        n_used += 1
+        if known and sigma[j] < smallest:
+            smallest = sigma[j]
+    for j in range(row.size):
+        missing = np.isnan(row[j])
+        target[j] = 0.0 if missing else row[j]
+        weight[j] = 0.0 if missing else 1.0
+        if known and not missing:
+            weight[j] = (smallest / sigma[j]) ** 2
+    return (smallest * smallest if known else 1.0), n_used
 
 
-def _quadratic(matrix: Array, x: Array) -> Array:
-    """Return xᵀ A x of each row (m,)."""
-    return np.asarray(np.einsum("mp,mpq,mq->m", x, matrix, x))
+@summing
+def _rank_starts(problem: Any, target: Any, weight: Any, ranking: Any) -> None:
+    """Write how badly each start's curve fits in every few bands, up to a constant."""
+    for s in range(ranking.size):
+        ranking[s] = 0.0
+    for k in range(problem.sampled.size):
+        j = problem.sampled[k]
+        w, t = weight[j], 2 * target[j]
+        for s in range(ranking.size):
+            curve = problem.sketch[k, s]
+            ranking[s] += w * curve * (curve - t)
 
 
-def _held(x: Array, gradient: Array, low: Array, high: Array) -> NDArray[np.bool_]:
-    """Return the parameters at a bound that descent would push through it."""
-    return ((x <= low) & (gradient >= 0)) | ((x >= high) & (gradient <= 0))
+@called
+def _start(problem: Any, work: Any) -> float:
+    """Make the best start that is left the first state; return the weights' sum."""
+    first = np.argmin(work.ranking)
+    work.ranking[first] = np.inf
+    weights = 0.0
+    for j in range(work.target.size):
+        work.measured[0, j] = problem.curves[first, j]
+        weights += work.weight[j]
+    for a in range(work.move.size):
+        work.x[0, a] = problem.starts[first, a]
+        for b in range(work.move.size):
+            work.bend[a, b] = 0.0
+        for j in range(work.target.size):
+            work.jacobian[0, a, j] = problem.slopes[first, a, j]
+    return weights
 
 
-def _step(
-    gradient: Array, normal: Array, held: NDArray[np.bool_], damping: Array
-) -> Array:
-    """Return the damped step of the parameters that are free, 0 for the held."""
-    p = gradient.shape[1]
-    free = ~held
-    both = free[:, :, None] & free[:, None, :]
-    diagonal = np.einsum("mpp->mp", normal)
-    # Marquardt's scaling makes the step independent of the parameters' units.
-    scale = np.sqrt(np.where(free & (diagonal > 0), diagonal, 1.0))
-    scaled = np.where(both, normal / (scale[:, :, None] * scale[:, None, :]), 0.0)
-    scaled += np.eye(p) * np.where(free, damping[:, None], 1.0)[:, None, :]
-    right = np.where(free, -gradient / scale, 0.0)
-    return np.asarray(np.linalg.solve(scaled, right[..., None])[..., 0] / scale)
+@called
+def _descend(evaluate: Any, problem: Any, work: Any) -> Any:
+    """Descend from the best start that is left; return state, cost, converged."""
+    weights, now = _start(problem, work), 0
+    low, high, bend, move = problem.low, problem.high, work.bend, work.move
+    cost = _differentiate_state(now, problem, work)
+    damping, growth = _FIRST_DAMPING, 2.0
+    for _ in range(_MOST_STEPS):
+        x, gradient, normal = work.x[now], work.gradient[now], work.normal[now]
+        hold(x, gradient, low, high, work.held)
+        if cost <= _EXACT**2 * weights or is_level(gradient, normal, work.held, cost):
+            return now, cost, True
+        promised = step(
+            x, gradient, normal, bend, damping, low, high, work.held, work.room, move
+        )
+        if promised <= _SETTLED * cost and damping <= _TRUSTED:
+            return now, cost, True
+        trial = 1 - now
+        if not take(x, move, low, high, work.x[trial]) or damping > _MOST_DAMPING:
+            break
+        evaluate(
+            work.x[trial],
+            problem.table,
+            problem.constants,
+            work.scratch,
+            work.measured[trial],
+            work.jacobian[trial],
+        )
+        new_cost = _differentiate_state(trial, problem, work)
+        if not new_cost <= cost:  # NaN too
+            damping *= growth
+            growth *= 2
+            continue
+        learn_bend(
+            work.jacobian[now],
+            work.jacobian[trial],
+            work.residual[trial],
+            gradient,
+            work.gradient[trial],
+            move,
+            work.room,
+            bend,
+        )
+        trust = (cost - new_cost) / promised if promised > 0 else 1.0
+        # Nielsen's rule: trust a step in proportion to how well it kept its word.
+        damping *= max(0.1, 1 - (2 * min(trust, 1.0) - 1) ** 3)
+        damping, growth = max(damping, _LEAST_DAMPING), 2.0
+        now, cost = trial, new_cost
+    hold(work.x[now], work.gradient[now], low, high, work.held)
+    level = is_level(work.gradient[now], work.normal[now], work.held, cost)
+    return now, cost, level or cost <= _MET**2 * weights
+
+
+@called
+def _differentiate_state(state: int, problem: Any, work: Any) -> float:
+    """Fill in residual, gradient and matrix of a state; return its cost."""
+    return differentiate(
+        work.x[state],
+        work.measured[state],
+        work.jacobian[state],
+        work.target,
+        work.weight,
+        problem.centre,
+        work.stiffness,
+        work.residual[state],
+        work.gradient[state],
+        work.normal[state],
+    )
+
+
+@summing
+def _record(
+    i: int, state: int, done: bool, problem: Any, work: Any, found: Any
+) -> None:
+    """Write one result; the priors' share of matrix and gradient is taken out."""
+    p = work.move.size
+    bound = False
+    for a in range(p):
+        off = work.x[state, a] - problem.centre[a]
+        found.values[i, a] = work.x[state, a]
+        found.held[i, a] = work.held[a]
+        found.pull[i, a] = work.gradient[state, a] - work.stiffness[a] * off
+        bound = bound or work.held[a]
+        for b in range(p):
+            found.information[i, a, b] = work.normal[state, a, b]
+        found.information[i, a, a] -= work.stiffness[a]
+    cost, sse = 0.0, 0.0
+    for j in range(work.target.size):
+        off = work.measured[state, j] - work.target[j]
+        cost += work.weight[j] * off * off
+        sse += off * off if work.weight[j] > 0 else 0.0
+    found.cost[i], found.sse[i] = cost, sse
+    for k in range(3):
+        seen, fitted = 0.0, 0.0
+        for j in range(work.target.size):
+            measured = work.measured[state, j]
+            # A band that was not measured counts as the fit has it.
+            own = work.target[j] if work.weight[j] > 0 else measured
+            seen += problem.observer[k, j] * own
+            fitted += problem.observer[k, j] * measured
+        found.colours[i, 0, k], found.colours[i, 1, k] = seen, fitted
+    found.status[i] = (AT_BOUND if bound else CONVERGED) if done else NOT_CONVERGED
+
+
+@compiled(types.void(EVALUATE, PROBLEM, MATRIX, MATRIX, types.float64, SOLUTIONS))
+def solve(
+    evaluate: Any, problem: Any, data: Any, sigma: Any, prior_unit: float, found: Any
+) -> None:
+    """Fit every row of ``data`` (m, n) and write where it ended into ``found``.
+
+    ``sigma`` is (m, n), (1, n) for all alike, or (0, n) where it is not known;
+    ``prior_unit`` is then the σ² of the data that the priors are weighed against.
+    NaN bands are left out. Nothing is written to ``data``.
+    """
+    p, known = problem.low.size, sigma.shape[0] > 0
+    work = _new_work(p, problem.table.shape[1], problem.starts.shape[0])
+    for i in range(data.shape[0]):
+        own = sigma[min(i, sigma.shape[0] - 1)] if known else data[i]
+        unit, n_used = _load(data[i], own, known, work.target, work.weight)
+        found.n_used[i] = n_used
+        if n_used <= p:
+            found.status[i] = REFUSED
+            continue
+        found.unit[i] = unit if known else np.nan
+        for a in range(p):
+            work.stiffness[a] = problem.stiffness[a] * (unit if known else prior_unit)
+        _rank_starts(problem, work.target, work.weight, work.ranking)
+        least = np.inf
+        for _ in range(min(_MOST_STARTS, problem.starts.shape[0])):
+            now, cost, done = _descend(evaluate, problem, work)
+            if cost < least or (done and cost <= least * (1 + _SETTLED)):
+                least = cost
+                _record(i, now, done, problem, work, found)
+            if done:
+                break

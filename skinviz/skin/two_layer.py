@@ -3,16 +3,63 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from skinviz.skin.coefficients import Coefficients
-from skinviz.skin.kubelka_munk import layer_fluxes, stack_reflectance, stack_slopes
+from skinviz._compile import compiled
+from skinviz.skin.kernels import (
+    BOTTOM,
+    CARRY,
+    TOP,
+    absorbing,
+    carried,
+    layer_of,
+    prepare,
+    slopes_of,
+    stack,
+    through_surface,
+)
 from skinviz.skin.model import SkinModel
 
-Array = NDArray[np.float64]
-Pair = tuple[Array, Array]
+MELANIN, OXY, DEOXY, EPIDERMIS, DERMIS = range(5)  # rows of the table
+
+
+@compiled()
+def evaluate(
+    values: Any, table: Any, constants: Any, scratch: Any, measured: Any, jacobian: Any
+) -> None:
+    """Fill in the measured spectrum and its Jacobian, eqs (5)–(9)."""
+    w_m, w_h, w_dh = values
+    D_e, D_d, hypodermis, offset, transmission, internal = constants
+    for j in range(measured.size):
+        scratch[TOP, j] = w_m * table[MELANIN, j]
+        scratch[TOP + 1, j] = table[EPIDERMIS, j]
+        scratch[BOTTOM, j] = w_h * table[OXY, j] + w_dh * table[DEOXY, j]
+        scratch[BOTTOM + 1, j] = table[DERMIS, j]
+    prepare(scratch, TOP, D_e)
+    prepare(scratch, BOTTOM, D_d)
+    if jacobian.shape[0] == 0:
+        for j in range(measured.size):
+            top, bottom = layer_of(scratch, TOP, j), layer_of(scratch, BOTTOM, j)
+            body = stack(top, bottom, hypodermis)[0]
+            measured[j] = through_surface(body, offset, transmission, internal)[0]
+        return
+    for j in range(measured.size):
+        top, bottom = layer_of(scratch, TOP, j), layer_of(scratch, BOTTOM, j)
+        body, carry_e, carry_d = stack(top, bottom, hypodermis)
+        measured[j], out = through_surface(body, offset, transmission, internal)
+        v, factor = absorbing(scratch[TOP + 2, j], scratch[TOP + 3, j], carry_e)
+        scratch[CARRY, j], scratch[CARRY + 1, j] = v, out * factor
+        v, factor = absorbing(scratch[BOTTOM + 2, j], scratch[BOTTOM + 3, j], carry_d)
+        scratch[CARRY + 2, j], scratch[CARRY + 3, j] = v, out * factor
+    for j in range(measured.size):
+        slopes = slopes_of(scratch, TOP, D_e, j)
+        by_K = carried(slopes, scratch[CARRY, j], scratch[CARRY + 1, j])
+        jacobian[0, j] = by_K * table[MELANIN, j]
+    for j in range(measured.size):
+        slopes = slopes_of(scratch, BOTTOM, D_d, j)
+        by_K = carried(slopes, scratch[CARRY + 2, j], scratch[CARRY + 3, j])
+        jacobian[1, j] = by_K * table[OXY, j]
+        jacobian[2, j] = by_K * table[DEOXY, j]
 
 
 @dataclass(frozen=True)
@@ -28,31 +75,4 @@ class TwoLayer(SkinModel):
     """
 
     name = "two-layer"
-
-    def _body(self, values: Array, at: Coefficients) -> Array:
-        """Return R_b (..., n), eq. (5)."""
-        top, bottom = (
-            layer_fluxes(k, s, np.asarray(depth, dtype=np.float64))
-            for k, s, depth in zip(*_layers(values, at), self.thickness, strict=True)
-        )
-        return stack_reflectance(top, bottom, self.hypodermis)
-
-    def _body_slopes(self, values: Array, at: Coefficients) -> tuple[Array, Array]:
-        """Return R_b (m, n) and its derivatives (m, n, 3)."""
-        body, by_top, by_bottom = stack_slopes(
-            *_layers(values, at), self.thickness, self.hypodermis
-        )
-        slopes = (
-            by_top * at.melanin,
-            by_bottom * at.oxyhaemoglobin,
-            by_bottom * at.deoxyhaemoglobin,
-        )
-        return body, np.stack(slopes, axis=-1)
-
-
-def _layers(values: Array, at: Coefficients) -> tuple[Pair, Pair]:
-    """Return (K_et, K_dt) and (S_e, S_d) of eq. (9)."""
-    w_m, w_h, w_dh = (values[..., i, None] for i in range(3))
-    epidermis = w_m * at.melanin
-    dermis = w_h * at.oxyhaemoglobin + w_dh * at.deoxyhaemoglobin
-    return (epidermis, dermis), (at.epidermis, at.dermis)
+    evaluate = staticmethod(evaluate)

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.skin.solver import Solution
+from skinviz._compile import called, compiled
+from skinviz.skin.cholesky import factorise, substitute
+
+if TYPE_CHECKING:
+    from skinviz.skin.problem import Solutions
 
 Array = NDArray[np.float64]
 
@@ -15,31 +21,24 @@ LEVEL = 0.95
 _TINY = 1e-300  # keeps quotients finite where residuals or slopes vanish
 _NO_SHARE = 1e-12  # of a direction: the rounding in an eigenvector, squared
 _FAR = 30.0  # standard deviations, where the normal tail's own quantile underflows
+_POOR = 1e-9  # pivot of a matrix of unit diagonal that asks for the careful inverse
 
 
 def covariance_and_interval(
-    found: Solution,
-    target: Array,
-    weights: Array,
-    *,
-    n_used: NDArray[np.int64],
-    bounds: Array,
-    absolute: bool,
+    found: Solutions, stiffness: Array, bounds: Array, *, absolute: bool
 ) -> tuple[Array, Array]:
     """Return the covariance and the 95 % intervals of m fits.
 
     Parameters
     ----------
-    found : Solution
+    found : Solutions
         Where the solver stopped.
-    target, weights : (m, n) ndarray
-        What was fitted, and the weights of the bands.
-    n_used : (m,) ndarray of int
-        Bands that had weight.
+    stiffness : (p,) ndarray
+        1/variance of each parameter's prior, 0 for none.
     bounds : (2, p) ndarray
         Lowest and highest values.
     absolute : bool
-        Whether the weights are 1/σ². If not, the residuals say how large σ is.
+        Whether σ of the data is known. If not, the residuals say how large it is.
 
     Returns
     -------
@@ -51,30 +50,101 @@ def covariance_and_interval(
         A held one: the parabola that the residuals draw along it while the free
         ones adapt, as a normal density cut off at the bound; its 95 % quantile.
     """
-    residual = weights * (found.predicted - target)
-    information = np.einsum("mnp,mn,mnq->mpq", found.jacobian, weights, found.jacobian)
-    freedom = np.maximum(n_used - (~found.held).sum(axis=1), 1)
-    cost = (residual * (found.predicted - target)).sum(axis=1)
-    variance = np.ones(len(cost)) if absolute else cost / freedom
-
-    covariance = _scaled(_inverse(information, ~found.held), variance)
-    deviation = np.sqrt(_diagonal(covariance))
-    half = _quantile(freedom, absolute=absolute)[:, None] * deviation
+    freedom = np.maximum(found.n_used - (~found.held).sum(axis=1), 1)
+    variance = found.unit if absolute else found.cost / freedom
+    p = stiffness.size
+    information = found.information.copy()
+    information[:, range(p), range(p)] += variance[:, None] * stiffness
+    covariance = np.zeros_like(information)
+    alone = np.zeros_like(found.values)
+    poor = np.zeros(len(variance), dtype=np.bool_)
+    _invert(information, found.held, covariance, alone, poor)
+    if poor.any():
+        covariance[poor], alone[poor] = _careful(information[poor], found.held[poor])
+    covariance = _scaled(covariance, variance)
+    half = _quantile(freedom, absolute=absolute)[:, None] * np.sqrt(
+        _diagonal(covariance)
+    )
     lower, upper = found.values - half, found.values + half
 
-    # A held parameter is let go alone, so that the free ones adapt to it.
-    sigma = np.zeros_like(found.values)
-    for k in range(found.values.shape[1]):
-        freed = ~found.held | (np.arange(found.values.shape[1]) == k)
-        variances = _diagonal(_scaled(_inverse(information, freed), variance))
-        sigma[:, k] = np.sqrt(variances[:, k])
-    slope = np.abs(np.einsum("mnp,mn->mp", found.jacobian, residual))
-    reach = _one_sided_reach(slope / np.maximum(variance, _TINY)[:, None], sigma)
-    low, high = bounds
-    upper = np.where(found.held & (found.values <= low), found.values + reach, upper)
-    lower = np.where(found.held & (found.values > low), found.values - reach, lower)
-    interval = np.stack([np.clip(lower, low, high), np.clip(upper, low, high)], axis=-1)
+    rows, columns = np.nonzero(found.held)
+    width = np.sqrt(alone[rows, columns]) * np.sqrt(variance[rows])
+    slope = np.abs(found.pull[rows, columns]) / np.maximum(variance[rows], _TINY)
+    reach = _one_sided_reach(slope, width)
+    values, low = found.values[rows, columns], bounds[0, columns]
+    upper[rows, columns] = np.where(values <= low, values + reach, values)
+    lower[rows, columns] = np.where(values <= low, values, values - reach)
+    interval = np.stack([np.clip(lower, *bounds), np.clip(upper, *bounds)], axis=-1)
     return covariance, interval
+
+
+@compiled()
+def _invert(
+    information: Any, held: Any, covariance: Any, alone: Any, poor: Any
+) -> None:
+    """Invert matrices (m, p, p) over the parameters not held.
+
+    ``alone`` (m, p) becomes the variance of each held parameter if it alone were let
+    go. Rows whose matrix is near singular are only marked in ``poor`` (m,).
+    """
+    p = held.shape[1]
+    L, scale, column = np.zeros((p, p)), np.zeros(p), np.zeros(p)
+    free = np.zeros(p, np.int64)
+    for i in range(held.shape[0]):
+        M = information[i]
+        k = _factorise_free(M, held[i], scale, free, L)
+        poor[i] = k < 0
+        for c in range(p):
+            if held[i, c] and k >= 0:
+                rest = _unexplained(M, c, free, k, scale, L, column)
+                poor[i] = poor[i] or not rest > _POOR
+                alone[i, c] = 1 / (max(rest, _POOR) * scale[c] * scale[c])
+        for c in range(k):
+            for a in range(k):
+                column[a] = 1.0 if a == c else 0.0
+            substitute(L, k, column)
+            for a in range(k):
+                size = scale[free[a]] * scale[free[c]]
+                covariance[i, free[a], free[c]] = column[a] / size
+
+
+@called
+def _factorise_free(M: Any, held: Any, scale: Any, free: Any, L: Any) -> int:
+    """Factorise over the k parameters not held; return k, −1 if near singular."""
+    k = 0
+    for a in range(held.size):
+        scale[a] = np.sqrt(M[a, a]) if M[a, a] > 0 else 1.0
+        if not held[a]:
+            free[k] = a
+            k += 1
+    for a in range(k):
+        for b in range(a + 1):
+            L[a, b] = M[free[a], free[b]] / (scale[free[a]] * scale[free[b]])
+    return k if factorise(L, k, _POOR) else -1
+
+
+@called
+def _unexplained(
+    M: Any, held: int, free: Any, k: int, scale: Any, L: Any, column: Any
+) -> float:
+    """Return how much of a held parameter's effect the free ones cannot copy. [1]"""
+    for a in range(k):
+        column[a] = M[free[a], held] / (scale[free[a]] * scale[held])
+    substitute(L, k, column)
+    rest = M[held, held] / (scale[held] * scale[held])
+    for a in range(k):
+        rest -= column[a] * M[free[a], held] / (scale[free[a]] * scale[held])
+    return rest
+
+
+def _careful(information: Array, held: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Return covariance (m, p, p) and ``alone`` (m, p) of matrices near singular."""
+    p = held.shape[1]
+    alone = np.zeros(held.shape)
+    for k in range(p):
+        freed = ~held | (np.arange(p) == k)
+        alone[:, k] = _diagonal(_inverse(information, freed))[:, k]
+    return _inverse(information, ~held), np.where(held, alone, 0.0)
 
 
 def _inverse(information: Array, chosen: NDArray[np.bool_]) -> Array:
@@ -116,12 +186,13 @@ def _diagonal(matrices: Array) -> Array:
 
 def _quantile(freedom: NDArray[np.int64], *, absolute: bool) -> Array:
     """Return how many standard deviations reach the interval's ends (m,)."""
-    from scipy.stats import norm, t
+    from scipy.special import ndtri, stdtrit
 
     upper = (1 + LEVEL) / 2
     if absolute:
-        return np.full(len(freedom), norm.ppf(upper))
-    return np.asarray(t.ppf(upper, freedom))
+        return np.full(len(freedom), ndtri(upper))
+    table = stdtrit(np.arange(1, freedom.max(initial=1) + 1), upper)
+    return np.asarray(table[freedom - 1])
 
 
 def _one_sided_reach(slope: Array, sigma: Array) -> Array:
@@ -129,12 +200,12 @@ def _one_sided_reach(slope: Array, sigma: Array) -> Array:
 
     Its density is proportional to exp(−(d + slope σ²)²/(2σ²)).
     """
-    from scipy.stats import norm
+    from scipy.special import ndtr, ndtri
 
     flat = np.isinf(sigma)
     width = np.where(flat, 0.0, sigma)
     offset = slope * width
-    near = width * (norm.isf((1 - LEVEL) * norm.sf(offset)) - offset)
+    near = -width * (ndtri((1 - LEVEL) * ndtr(-offset)) + offset)
     # Far in the tail the density is exponential with the slope.
     far = -np.log(1 - LEVEL) / np.maximum(slope, _TINY)
     return np.where(flat, np.inf, np.where(offset < _FAR, near, far))

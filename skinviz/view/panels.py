@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.render.shade import VertexSpectrum
-from skinviz.skin.fit import SkinFit
+from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.colorimetry import (
     colour_matching_functions,
     encode_srgb,

@@ -9,6 +9,7 @@ from mpmath import mp, mpf
 
 DIGITS = 150  # K/S spans 1e±32 and enters squared; 60 and more remain
 SLOPE_DIGITS = 400  # a difference over STEP loses 120 digits
+NOISE = mpf("1e-270")  # of a difference of such digits over such a step
 STEP = "1e-120"  # far below the 1e-48 at which K may bend R
 
 
@@ -70,11 +71,13 @@ def on_top(first, second):
     return R1 + T1**2 * R2 / gap, T1 * T2 / gap
 
 
-def slope(function, K):
-    """Return d function/dK, from above, as it is at K = 0."""
+def slope(function, x):
+    """Return d function/dx, from above, as it is at x = 0; 0 where it is noise."""
     with mp.workdps(SLOPE_DIGITS):
         step = mpf(STEP)
-        return (function(mpf(K) + step) - function(mpf(K))) / step
+        here, there = function(mpf(x)), function(mpf(x) + step)
+        change = (there - here) / step
+        return change if abs(change) > NOISE * abs(here) else mpf(0)
 
 
 def layers(K, S, D):
@@ -92,7 +95,7 @@ def layers(K, S, D):
 
 
 def layers_slopes(K, S, D):
-    """Return ∂R/∂K and ∂T/∂K of many layers."""
+    """Return ∂R/∂K and ∂T/∂K (2, m) of many layers."""
     points = zip(K, S, D, strict=True)
     return np.array(
         [
@@ -103,3 +106,25 @@ def layers_slopes(K, S, D):
             for k, s, d in points
         ]
     ).T
+
+
+def stacks_slopes(K, S, D, backing):
+    """Return the slopes (3, 2, m) of R_b, by K, S and D of the top and the bottom."""
+
+    def changed(arguments, which, layer_, x):
+        own = [list(pair) for pair in arguments]
+        own[which][layer_] = x
+        return stack(*own, backing)
+
+    found = np.zeros((3, 2, len(K[0])))
+    for i in range(len(K[0])):
+        arguments = [[float(pair[0][i]), float(pair[1][i])] for pair in (K, S, D)]
+        for which in range(3):
+            for layer_ in range(2):
+                at = arguments[which][layer_]
+                if at != np.inf:
+                    found[which, layer_, i] = slope(
+                        lambda x, a=arguments, w=which, q=layer_: changed(a, w, q, x),
+                        at,
+                    )
+    return found

@@ -377,7 +377,7 @@ def test_wavelengths_must_be_on_the_last_axis(data):
 def test_infinite_reflectance_is_refused_by_place():
     data = spectra(2)
     data[1, 5] = np.inf
-    with pytest.raises(ArgumentError, match=r"index \(1, 5\) is not"):
+    with pytest.raises(ArgumentError, match=r"index \(1, 5\) is inf"):
         fit_skin(data, NM, MODEL)
 
 

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import norm, t
 from tolerances import QUADRATURE, ROUNDING
 
-from skinviz.skin.solver import Solution
+from skinviz.skin.problem import room
 from skinviz.skin.uncertainty import _one_sided_reach, covariance_and_interval
 
 BOUNDS = np.array([[0.0, 0.0, 0.0], [1e3, 1e3, 1e3]])
@@ -39,29 +39,40 @@ def test_one_sided_reach_holds_95_percent(offset, sigma):
     )
 
 
-def linear_fit(seed=0, held=(False, False, False), n=14):
-    """Return a linear problem's Solution, its target and weights, one spectrum."""
+NO_PRIOR = np.zeros(3)
+
+
+def linear_fit(seed=0, held=(False, False, False), n=14, shown=(1, 1, 1)):
+    """Return a linear problem's matrix, target and weights, and its Solutions."""
     rng = np.random.default_rng(seed)
-    A = rng.normal(size=(n, 3)) + 1
+    A = (rng.normal(size=(n, 3)) + 1) * shown
     sigma = rng.uniform(0.05, 0.2, n)
     target = A @ np.array([2.0, 3.0, -0.1 if held[2] else 1.0]) + rng.normal(0, sigma)
     free = ~np.array(held)
     values = np.zeros(3)
     root = 1 / sigma
     values[free] = np.linalg.lstsq(A[:, free] * root[:, None], target * root)[0]
-    found = Solution(
-        values[None], (A @ values)[None], A[None], np.array([held]), np.array([True])
-    )
-    return found, target[None], (1 / sigma**2)[None]
+    weights = 1 / sigma**2
+    return A, target, weights, solutions(A, target, weights, values, held)
+
+
+def solutions(A, target, weights, values, held):
+    """Return what the solver hands over of one linear fit."""
+    found, unit = room(1, 3), 1 / weights.max()
+    relative, off = weights * unit, A @ values - target
+    found.values[0], found.held[0] = values, held
+    found.information[0] = A.T @ (relative[:, None] * A)
+    found.pull[0] = A.T @ (relative * off)
+    found.cost[0], found.unit[0], found.n_used[0] = relative @ off**2, unit, len(target)
+    return found
 
 
 def test_absolute_covariance_is_the_inverse_of_the_information():
-    found, target, weights = linear_fit()
-    A = found.jacobian[0]
+    A, _, weights, found = linear_fit()
     covariance, interval = covariance_and_interval(
-        found, target, weights, n_used=np.array([14]), bounds=BOUNDS, absolute=True
+        found, NO_PRIOR, BOUNDS, absolute=True
     )
-    expected = np.linalg.inv(A.T @ (weights[0][:, None] * A))
+    expected = np.linalg.inv(A.T @ (weights[:, None] * A))
     assert_allclose(covariance[0], expected, rtol=1e-10)
     half = norm.ppf(0.975) * np.sqrt(np.diag(expected))
     assert_allclose(interval[0, :, 0], np.maximum(found.values[0] - half, 0))
@@ -69,37 +80,32 @@ def test_absolute_covariance_is_the_inverse_of_the_information():
 
 
 def test_relative_covariance_is_scaled_by_the_residuals():
-    found, target, weights = linear_fit()
-    options = {"n_used": np.array([14]), "bounds": BOUNDS}
-    absolute, _ = covariance_and_interval(
-        found, target, weights, absolute=True, **options
-    )
+    A, target, weights, found = linear_fit()
+    absolute, _ = covariance_and_interval(found, NO_PRIOR, BOUNDS, absolute=True)
     covariance, interval = covariance_and_interval(
-        found, target, weights, absolute=False, **options
+        found, NO_PRIOR, BOUNDS, absolute=False
     )
-    chi2 = float((weights * (found.predicted - target) ** 2).sum()) / (14 - 3)
+    chi2 = float((weights * (A @ found.values[0] - target) ** 2).sum()) / (14 - 3)
     assert_allclose(covariance, absolute * chi2, rtol=ROUNDING)
     half = t.ppf(0.975, 11) * np.sqrt(np.diag(covariance[0]))
     assert_allclose(interval[0, :, 1] - found.values[0], half, rtol=1e-10)
 
 
-def test_weights_known_only_in_ratio_do_not_change_the_relative_covariance():
-    found, target, weights = linear_fit()
-    options = {"n_used": np.array([14]), "bounds": BOUNDS, "absolute": False}
-    here = covariance_and_interval(found, target, weights, **options)
-    there = covariance_and_interval(found, target, 1e6 * weights, **options)
-    assert_allclose(here[0], there[0], rtol=1e-10)
-    assert_allclose(here[1], there[1], rtol=1e-10)
+@pytest.mark.parametrize("absolute", [True, False])
+def test_a_prior_is_one_more_measurement(absolute):
+    A, target, weights, found = linear_fit()
+    stiffness = np.array([0.0, 50.0, 3.0])
+    covariance, _ = covariance_and_interval(found, stiffness, BOUNDS, absolute=absolute)
+    residual = A @ found.values[0] - target
+    scale = 1.0 if absolute else float(weights @ residual**2) / 11
+    information = A.T @ (weights[:, None] * A) / scale + np.diag(stiffness)
+    assert_allclose(covariance[0], np.linalg.inv(information), rtol=1e-10)
 
 
 def test_a_held_parameter_is_not_counted_nor_correlated():
-    held = (False, False, True)
-    found, target, weights = linear_fit(held=held)
-    covariance, _ = covariance_and_interval(
-        found, target, weights, n_used=np.array([14]), bounds=BOUNDS, absolute=True
-    )
-    A = found.jacobian[0][:, :2]
-    expected = np.linalg.inv(A.T @ (weights[0][:, None] * A))
+    A, _, weights, found = linear_fit(held=(False, False, True))
+    covariance, _ = covariance_and_interval(found, NO_PRIOR, BOUNDS, absolute=True)
+    expected = np.linalg.inv(A[:, :2].T @ (weights[:, None] * A[:, :2]))
     assert_allclose(covariance[0][:2, :2], expected, rtol=1e-10)
     assert_array_equal(covariance[0][2], 0)
     assert_array_equal(covariance[0][:, 2], 0)
@@ -112,12 +118,10 @@ def test_interval_at_a_bound_allows_for_the_other_parameters(seed):
     Under flat priors the posterior of a linear model is a normal density; its
     margin in the held parameter, cut at the bound, is known in closed form.
     """
-    found, target, weights = linear_fit(seed, held=(False, False, True))
-    _, interval = covariance_and_interval(
-        found, target, weights, n_used=np.array([14]), bounds=BOUNDS, absolute=True
-    )
-    A, w = found.jacobian[0], weights[0][:, None]
-    unbounded = np.linalg.solve(A.T @ (w * A), A.T @ (w[:, 0] * target[0]))
+    A, target, weights, found = linear_fit(seed, held=(False, False, True))
+    _, interval = covariance_and_interval(found, NO_PRIOR, BOUNDS, absolute=True)
+    w = weights[:, None]
+    unbounded = np.linalg.solve(A.T @ (w * A), A.T @ (weights * target))
     sigma = np.sqrt(np.linalg.inv(A.T @ (w * A))[2, 2])
     mean = unbounded[2]
     beyond = norm.sf(0, mean, sigma)
@@ -127,21 +131,28 @@ def test_interval_at_a_bound_allows_for_the_other_parameters(seed):
     assert_allclose(interval[0, 2, 1], expected, rtol=QUADRATURE)
 
 
-def test_what_the_data_do_not_determine_may_be_anything():
-    found, target, weights = linear_fit()
-    found.jacobian[0, :, 1] = 0  # the second parameter has no effect
-    _, interval = covariance_and_interval(
-        found, target, weights, n_used=np.array([14]), bounds=BOUNDS, absolute=True
+@pytest.mark.parametrize("held", [(False, False, False), (False, True, False)])
+def test_what_the_data_do_not_determine_may_be_anything(held):
+    *_, found = linear_fit(held=held, shown=(1, 0, 1))
+    covariance, interval = covariance_and_interval(
+        found, NO_PRIOR, BOUNDS, absolute=True
     )
-    assert_array_equal(interval[0, 1], BOUNDS[:, 1])
+    assert interval[0, 1, 1] == BOUNDS[1, 1]
+    assert np.isinf(covariance[0, 1, 1]) == (not held[1])
     assert (interval[0, 0, 1] - interval[0, 0, 0]) < 1
 
 
+def test_two_parameters_that_do_the_same_are_both_undetermined():
+    A, target, weights, _ = linear_fit()
+    A[:, 1] = 3 * A[:, 0]
+    found = solutions(A, target, weights, np.array([1.0, 1.0, 1.0]), [False] * 3)
+    covariance, _ = covariance_and_interval(found, NO_PRIOR, BOUNDS, absolute=True)
+    assert_array_equal(np.isinf(np.diag(covariance[0])), [True, True, False])
+
+
 def test_intervals_stay_within_the_bounds():
-    found, target, weights = linear_fit()
+    *_, found = linear_fit()
     narrow = np.array([[1.9, 2.9, 0.9], [2.05, 3.05, 1.05]])
-    _, interval = covariance_and_interval(
-        found, target, weights, n_used=np.array([14]), bounds=narrow, absolute=True
-    )
+    _, interval = covariance_and_interval(found, NO_PRIOR, narrow, absolute=True)
     assert (interval[0, :, 0] >= narrow[0]).all()
     assert (interval[0, :, 1] <= narrow[1]).all()
