@@ -18,7 +18,7 @@ Cells = Sequence[Any]
 
 COLUMNS = {
     "record": "record, record number, record no, record id, unique record identifier, "
-    "no, number, id, index",
+    "no, number, id, index, sample, sample no, serial no",
     "origin": "origin, data origin, dataset, data set, data source, source, country",
     "subject": "subject, subject number, subject no, subject id, participant, "
     "participant number, participant id",
@@ -32,7 +32,7 @@ COLUMNS = {
 
 SPECULAR = (
     "specular, specular component, specular mode, specular component inclusion, "
-    "specular included, specular component included, sci sce, spin"
+    "specular included, specular component included, sci, sci sce, spin, spin spex"
 )
 """Headings of the column, if there is one, that says SCI or SCE."""
 

@@ -49,7 +49,7 @@ def sheet_records(
     width = 1 + max(*layout.columns.values(), *layout.bands.values())
     width = max(width, 1 + (layout.specular or 0))
     for number, row in enumerate(sheet_rows(sheet, width, file), start=1):
-        if number < layout.first_row or not row:
+        if number < layout.first_row or not any(row):
             continue
 
         def place(column: int, number: int = number) -> str:

@@ -271,6 +271,15 @@ def test_a_sheet_broken_in_the_middle_is_refused(issa, tmp_path):
         import_archive(path)
 
 
+def test_a_row_number_beyond_any_spreadsheet_ends_soon(book, tmp_path):
+    path = tmp_path / "far.xlsx"
+    sheet = "xl/worksheets/sheet1.xml"
+    far = (b'<row r="4"', b'<row r="999999999999"')
+    rewritten(book(), path, sheet, lambda xml: xml.replace(*far))
+    with pytest.raises(DataError, match="more than 1048576 rows"):
+        import_archive(path)
+
+
 def test_a_spreadsheet_that_unpacks_to_an_absurd_size_is_refused(
     book, tmp_path, monkeypatch
 ):
