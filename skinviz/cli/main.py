@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 import cyclopts
 
 from skinviz import __version__
+from skinviz.cli.archive import archive
 from skinviz.cli.clean import clean
 from skinviz.cli.demo import demo
 from skinviz.cli.fit import fit
@@ -18,12 +19,13 @@ from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.errors import SkinvizError
 
-VERBS: dict[str, Callable[..., None]] = {
+VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "demo": demo,
     "clean": clean,
     "simulate-scan": simulate_scan,
     "fit": fit,
     "render": render,
+    "archive": archive,
     "info": info,
 }
 """The verbs; their modules load heavy libraries only when they are called."""

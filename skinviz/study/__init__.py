@@ -1,0 +1,1 @@
+"""Studies: people, body sites and methods compared."""
