@@ -15,7 +15,7 @@ from skinviz.errors import DataError, SkinvizError
 
 _HIGHEST = 1.5  # above this it is no reflectance, however glossy
 _VISIBLE = (400.0, 700.0)  # nm; beyond, instruments are noisy and nothing uses it
-_BLOCK = 2**24  # values judged at once, which bounds the memory
+_BLOCK = 2**20  # values judged at once, which bounds the memory
 
 
 @dataclass(frozen=True)

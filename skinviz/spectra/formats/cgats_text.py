@@ -10,7 +10,7 @@ from pathlib import Path
 from skinviz.errors import DataError
 from skinviz.spectra.formats.raw import read_text
 
-_AT_MOST = 2**28  # bytes
+_AT_MOST = 2**26  # bytes
 _TOKEN = re.compile(r'(?:"((?:[^"]|"")*)"|([^\s"]+))\s*')
 
 _Row = tuple[int, list[str]]
@@ -49,8 +49,8 @@ def tables_of(lines: list[str], file: Path) -> list[Table]:
     """Return the tables of the file in their order."""
     if not any(line.split() == ["BEGIN_DATA"] for line in lines):
         raise DataError(
-            f"{file}: no line BEGIN_DATA, so it is no CGATS text; if it is a plain table "
-            "of columns name it .csv"
+            f"{file}: no line BEGIN_DATA, so it is no CGATS text; if it is a plain "
+            "table of columns name it .csv"
         )
     rows = iter(
         [

@@ -32,7 +32,7 @@ KINDS, MISSING = (CUBE,), True
 RAW_SUFFIXES = (".bip", ".bil", ".bsq", ".img", ".dat", ".raw", ".bin")
 """How the raw file beside a header may end; it may also have no suffix."""
 
-_BLOCK = 2**24  # bytes converted at once, which bounds the memory beside the cube
+_BLOCK = 2**22  # bytes converted at once, which bounds the memory beside the cube
 # ENVI's codes of data types, except the complex ones 6 and 9.
 _TYPES = dict(
     zip(

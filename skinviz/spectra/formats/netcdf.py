@@ -71,15 +71,14 @@ def write(file: Path, spectra: xarray.Dataset) -> None:
 
 def _loaded(file: Path) -> xarray.Dataset:
     """Return the file's content in memory, or say what it is instead."""
+    import h5py
     import xarray
 
-    with file.open("rb") as start:
-        if start.read(3) == b"CDF":
-            raise DataError(
-                f"{file}: is of netCDF's classic form; netCDF-4 is read, so convert it "
-                "(nccopy -k nc4 OLD NEW)"
-            )
+    _require_not_classic(file)
     try:
+        # Asked here first: a file that cannot answer breaks h5netcdf's clean-up.
+        with h5py.File(file, "r") as container:
+            container.attrs.get("_nc3_strict")
         # Warnings are of encodings that a broken file declares.
         with (
             warnings.catch_warnings(action="ignore"),
@@ -92,6 +91,16 @@ def _loaded(file: Path) -> xarray.Dataset:
     except Exception as error:  # a broken file raises anything from below
         what = " ".join(str(error).split())[:120]
         raise DataError(f"{file}: not a whole netCDF-4 file: {what}") from error
+
+
+def _require_not_classic(file: Path) -> None:
+    """Refuse the older netCDF, which is another format, by its first bytes."""
+    with file.open("rb") as start:
+        if start.read(3) == b"CDF":
+            raise DataError(
+                f"{file}: is of netCDF's classic form; netCDF-4 is read, so convert it "
+                "(nccopy -k nc4 OLD NEW)"
+            )
 
 
 def _require_spectra(opened: xarray.Dataset, file: Path) -> None:
