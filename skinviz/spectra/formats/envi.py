@@ -19,6 +19,7 @@ from skinviz.spectra.formats.raw import (
     CUBE,
     RawSpectra,
     in_nanometres,
+    joined,
     notes_to_write,
     number,
     stated,
@@ -75,7 +76,7 @@ def read(file: Path) -> RawSpectra:
         if scale is None
         else number(scale, f"{file}, reflectance scale factor"),
         attributes=stated(
-            {key: " ".join(header.get(word, "").split()) for key, word in _KEYS.items()}
+            {key: joined(header.get(word, "")) for key, word in _KEYS.items()}
         ),
     )
 

@@ -47,7 +47,7 @@ def read(file: Path) -> RawSpectra:
     wavelengths = found["wavelength"].values.astype(np.float64)
     unit = str(found["wavelength"].attrs.get("units", "nm"))
     return RawSpectra(
-        values=np.array(values, dtype=np.result_type(values, np.float32), order="C"),
+        values=np.ascontiguousarray(values, np.result_type(values, np.float32)),
         wavelengths=in_nanometres(wavelengths, unit, file),
         labels=_labels(found, file) if dims == LIST else None,
         written_as=_written_as(reflectance.attrs, file),

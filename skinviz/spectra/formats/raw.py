@@ -174,9 +174,21 @@ def one_line(value: object, what: str, file: Path) -> str:
     return text
 
 
+def joined(text: str) -> str:
+    """Return text of several lines on one."""
+    return " ".join(filter(None, (line.strip() for line in text.splitlines())))
+
+
 def labels_to_write(spectra: xarray.Dataset, file: Path) -> list[str]:
-    """Return the labels of a list of spectra as text of one line each."""
-    return [one_line(label, "the label", file) for label in spectra["label"].values]
+    """Return the labels of a list of spectra as text that comes back as it is."""
+    labels = [one_line(label, "the label", file) for label in spectra["label"].values]
+    for label in labels:
+        if not label or label != label.strip():
+            raise ArgumentError(
+                f"{file}: the label {label[:40]!r} is empty or has spaces around it, "
+                f"which {file.suffix} cannot hold; name the spectrum or write .nc"
+            )
+    return labels
 
 
 def notes_to_write(spectra: xarray.Dataset, file: Path) -> dict[str, str]:

@@ -22,6 +22,7 @@ from skinviz.errors import ArgumentError, DataError
 from skinviz.spectra.formats.raw import (
     LIST,
     RawSpectra,
+    joined,
     labels_to_write,
     notes_to_write,
     number,
@@ -45,6 +46,7 @@ _GEOMETRIES = {
     **dict.fromkeys(("45a:0", "45c:0", "0:45a", "45x:0", "0:45x"), "excluded"),
     **dict.fromkeys(("d:d", "d:0", "other"), None),
 }
+_NOTHING = ("None", "N/A")  # how other writers say that they say nothing
 _NOTED = ("specular", "geometry")  # kept as lines of the comments where it must be
 
 
@@ -103,12 +105,19 @@ def _document(
 ) -> ET.ElementTree[ET.Element]:
     """Return the document of one spectrum."""
     notes = notes_to_write(spectra, file)
+    (label,) = labels_to_write(spectra, file)
+    first = notes.get("comment", "").partition(":")[0]
+    if label in _NOTHING or first.strip().lower() in _NOTED:
+        raise ArgumentError(
+            f"{file}: the label {label!r} or a comment that begins {first[:20]!r} "
+            "would be read as something else; change it"
+        )
     geometry = notes.get("geometry", "other")
     coded = geometry if geometry in _GEOMETRIES else "other"
     root = ET.Element("IESTM2714", {"xmlns": _NAMESPACE, "version": "1.0"})
     header = ET.SubElement(root, "Header")
     for tag, text in {
-        "Description": labels_to_write(spectra, file)[0],
+        "Description": label,
         "DocumentCreator": "skinviz",
         "MeasurementEquipment": notes.get("instrument", ""),
         "ReportDate": notes.get("date", ""),
@@ -163,8 +172,8 @@ def _root(file: Path) -> ET.Element:
 
 def _text(parent: ET.Element, tag: str, spaces: dict[str, str]) -> str:
     """Return an element's text on one line; "" if it says nothing."""
-    text = " ".join((parent.findtext(tag, "", spaces) or "").split())
-    return "" if text in ("None", "N/A") else text  # how other writers say nothing
+    text = joined(parent.findtext(tag, "", spaces) or "")
+    return "" if text in _NOTHING else text
 
 
 def _bands(
@@ -201,10 +210,10 @@ def _attributes(
         if key.strip().lower() in _NOTED and value.strip():
             attributes[key.strip().lower()] = value.strip()
         else:
-            remarks += line.split()
+            remarks.append(line)
     told = {
         "instrument": _text(header, "MeasurementEquipment", spaces),
         "date": _text(header, "ReportDate", spaces),
-        "comment": "" if remarks in (["None"], ["N/A"]) else " ".join(remarks),
+        "comment": joined("\n".join(remarks)),
     }
-    return attributes | {key: value for key, value in told.items() if value}
+    return attributes | {k: v for k, v in told.items() if v and v not in _NOTHING}

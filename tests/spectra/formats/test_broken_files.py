@@ -3,6 +3,7 @@
 Warnings are errors in these tests, so that none is raised either.
 """
 
+import os
 import shutil
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import xarray
 from spectra_tables import skin_like, spectra_cube, spectra_list
 
-from skinviz import SkinvizError, read_spectra, write_spectra
+from skinviz import DataError, SkinvizError, read_spectra, write_spectra
 from skinviz.spectra.formats import FORMATS
 
 MUTANTS, SLOW_MUTANTS = 300, 120  # netCDF takes 20 ms a file
@@ -19,7 +20,7 @@ NOTES = {"specular": "included", "geometry": "d/8", "comment": "a, b", "date": "
 LIST = spectra_list(skin_like(2, 4), ["left hand", 'the "best"'], NM, **NOTES)
 CUBE = spectra_cube(skin_like(3, 2, 4, dtype=np.float32), NM, **NOTES)
 WHOLE = {
-    **dict.fromkeys(FORMATS, LIST),
+    **dict.fromkeys((".csv", ".cgats", ".nc"), LIST),
     ".spdx": LIST.isel(record=[0]),
     ".hdr": CUBE,
 }
@@ -110,3 +111,26 @@ def test_no_bytes_at_all_make_another_error(tmp_path, suffix):
         for content in (rng.bytes(n), bytes(n), b" " * n, b"{" * n, b'"' * n, b"<" * n):
             path.write_bytes(content)
             assert outcome(path) == "refused"
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".txt", ".spdx", ".hdr"])
+def test_a_huge_file_is_refused_before_it_is_read(tmp_path, suffix):
+    path = tmp_path / f"huge{suffix}"
+    path.touch()
+    os.truncate(path, 2**31)  # a hole, which takes no room
+    with pytest.raises(DataError, match=r"2048 MiB are too many .*|less than 4 MiB"):
+        read_spectra(path)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".txt", ".spdx", ".nc", ".hdr"])
+def test_a_file_that_fails_while_it_is_read_is_refused(tmp_path, suffix, monkeypatch):
+    path = tmp_path / f"hand{suffix}"
+    path.write_text("x")
+
+    def broken(*_, **__):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("pathlib.Path.read_bytes", broken)
+    monkeypatch.setattr("h5py.File", broken)
+    with pytest.raises(DataError, match=rf"hand\{suffix}: .*Input/output error"):
+        read_spectra(path)

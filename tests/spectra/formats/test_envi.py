@@ -209,8 +209,8 @@ CUBE = spectra_cube(
 def test_what_is_written_is_read(tmp_path):
     spectra = CUBE.copy(deep=True)
     spectra.reflectance[1, 2, 3] = np.nan
-    path = write_spectra(tmp_path / "hand.hdr", spectra)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["hand.bip", "hand.hdr"]
+    path = write_spectra(tmp_path / "new" / "hand.hdr", spectra)
+    assert sorted(p.name for p in path.parent.iterdir()) == ["hand.bip", "hand.hdr"]
     expected = spectra.assign_attrs(source=str(path))
     xarray.testing.assert_identical(read_spectra(path), expected)
 
@@ -346,6 +346,28 @@ def test_the_factor_is_the_scale(cube):
     assert_allclose(found, VALUES, rtol=2e-7)
     with pytest.raises(DataError, match=r"is written as 100, and .* it is 1 was given"):
         read_spectra(path, scale="fraction")
+
+
+def test_a_raw_file_that_cannot_be_mapped_is_refused(cube, monkeypatch):
+    def full(*_):
+        raise OSError(12, "Cannot allocate memory")
+
+    monkeypatch.setattr("numpy.memmap", full)
+    with pytest.raises(DataError, match=r"hand\.img: cannot be read: .*allocate"):
+        read_spectra(cube())
+
+
+def test_a_cube_larger_than_the_memory_is_refused(cube, monkeypatch):
+    zeros = np.zeros
+
+    def full(shape, dtype=float):
+        if shape == VALUES.shape:
+            raise MemoryError
+        return zeros(shape, dtype)
+
+    monkeypatch.setattr("numpy.zeros", full)
+    with pytest.raises(DataError, match="the cube does not fit into the memory"):
+        read_spectra(cube())
 
 
 def test_a_header_alone_and_two_raw_files_are_refused(cube, tmp_path):
