@@ -14,7 +14,7 @@ from spectra_tables import skin_like, spectra_cube, spectra_list
 from skinviz import DataError, SkinvizError, read_spectra, write_spectra
 from skinviz.spectra.formats import FORMATS
 
-MUTANTS, SLOW_MUTANTS = 300, 120  # netCDF takes 20 ms a file
+MUTANTS, SLOW_MUTANTS = 200, 100  # netCDF takes 20 ms a file
 NM = [400.0, 500.5, 600.0, 700.0]
 NOTES = {"specular": "included", "geometry": "d/8", "comment": "a, b", "date": "2024"}
 LIST = spectra_list(skin_like(2, 4), ["left hand", 'the "best"'], NM, **NOTES)
