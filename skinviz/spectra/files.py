@@ -1,48 +1,52 @@
-"""Files of measured spectra: CSV, with wavelengths down or across."""
+"""Files of measured spectra and reflectance cubes: the two public doors.
+
+What is the same for all formats is here; :mod:`skinviz.spectra.formats` has them.
+"""
 
 from __future__ import annotations
 
-import csv
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._files import existing_file, whole_file
+from skinviz._files import existing_file
 from skinviz._validate import one_of
-from skinviz.errors import ArgumentError, DataError
+from skinviz.errors import ArgumentError, DataError, SkinvizError
+from skinviz.spectra.formats import FORMATS, envi
+from skinviz.spectra.formats.raw import CUBE, LIST, SCALES, Format, RawSpectra
 from skinviz.spectra.measurement import as_specular
+from skinviz.spectra.plausible import (
+    Judged,
+    require_cube,
+    require_list,
+    require_wavelengths,
+)
 
 if TYPE_CHECKING:
     import xarray
-
-SCALES = {"fraction": 1.0, "percent": 0.01}
-"""How reflectance is written in a file: 0–1, or 0–100."""
-
-_LAYOUTS = (
-    "wavelengths down (a header 'wavelength_nm,NAME,...' or two bare columns) or "
-    "across (a header of labels and wavelengths)"
-)
 
 
 def read_spectra(
     path: str | os.PathLike[str],
     *,
-    scale: str = "fraction",
+    scale: str | None = None,
     specular: str | float | None = None,
 ) -> xarray.Dataset:
-    """Read measured reflectance spectra from a CSV file.
+    """Read measured reflectance spectra, or a cube of them, from a file.
 
     Parameters
     ----------
     path : str or path-like
-        Comma-, semicolon- or tab-separated text. Lines starting with ``#`` are
-        comments; ``# specular: included`` and ``# geometry: 45/0`` among them set
-        the attributes of those names.
-    scale : {"fraction", "percent"}
-        Whether the file has 0–1 or 0–100. Declared, never guessed.
+        ``.csv`` or ``.tsv`` (wavelengths down or across), ``.spdx`` (IES TM-27-14),
+        ``.cgats`` or ``.txt`` (CGATS.17), ``.nc`` (netCDF-4), or ``.hdr`` (an ENVI
+        cube, its raw file beside it).
+    scale : {"fraction", "percent"}, optional
+        Whether the file has 0–1 or 0–100, if the file does not say it; a
+        contradiction is refused. If neither says it: 0–1, except that CGATS must
+        be told. Never guessed.
     specular : {"excluded", "included"} or float, optional
         How the surface reflection was measured, if the file does not say it; a
         contradiction is refused.
@@ -50,58 +54,48 @@ def read_spectra(
     Returns
     -------
     spectra : xarray.Dataset
-        ``reflectance`` (record, wavelength) [1] with the coordinate ``label``, and
-        attributes ``source``, and ``specular`` and ``geometry`` where known.
+        ``reflectance`` [1]: of a list (record, wavelength) with the coordinate
+        ``label``, of a cube (line, sample, wavelength). NaN where the file marks a
+        value as missing (netCDF and ENVI can). ``wavelength`` is in nm. Attributes:
+        ``source``, and where known ``specular``, ``geometry``, ``instrument``,
+        ``date`` and ``comment``. netCDF gives back all that it holds.
 
     Raises
     ------
     DataError
-        If the file is missing, empty, of another layout, or has a value that is
-        no number, missing, negative or too large for its scale, or wavelengths
-        that do not ascend. The message names the line or spectrum.
+        If the file is missing, empty, of another layout, cut off or no reflectance;
+        if a list has a value in 400–700 nm that is not finite, negative or above 1.5;
+        if most of a cube is above 1.5; or if wavelengths do not ascend. The message
+        names the line, spectrum or field.
     """
     file = existing_file(path, DataError)
-    factor = SCALES[one_of(scale, SCALES, "scale")]
-    rows, notes = _rows(file)
-    wavelengths, labels, values = _table(rows, file)
-    _require_ascending(wavelengths, file)
-    _require_reflectance(values, wavelengths, labels, scale, file)
-
-    import xarray
-
-    attributes: dict[str, str | float] = {"source": str(file)}
-    if "geometry" in notes:
-        attributes["geometry"] = notes["geometry"]
-    told = [
-        _specular(how, file)
-        for how in (specular, notes.get("specular"))
-        if how is not None
-    ]
-    if len(set(told)) > 1:
-        raise DataError(
-            f"{file} says that its surface reflection is {told[1]}, and {told[0]} was "
-            "given; correct the one that is wrong"
-        )
-    if told:
-        attributes["specular"] = told[0]
-    return xarray.Dataset(
-        {"reflectance": (("record", "wavelength"), values * factor, {"units": "1"})},
-        coords={
-            "record": np.arange(len(labels)),
-            "label": ("record", labels),
-            "wavelength": ("wavelength", wavelengths, {"units": "nm"}),
-        },
-        attrs=attributes,
-    )
+    form = _format_of(file, DataError)
+    asked = None if scale is None else SCALES[one_of(scale, SCALES, "scale")]
+    raw = form.read(file)
+    full = _full_scale(raw, asked, file)
+    by = Judged(str(file), full, raw.written_as is not None, form.MISSING)
+    if raw.values.size == 0:
+        raise DataError(f"{file}: no spectra in it")
+    require_wavelengths(raw.wavelengths, by)
+    if raw.labels is None:
+        require_cube(raw.values, raw.wavelengths, by)
+    else:
+        require_list(raw.values, raw.wavelengths, raw.labels, by)
+    if full != 1:
+        np.divide(raw.values, full, out=raw.values)
+    attributes = {"source": str(file)} | raw.attributes
+    attributes |= _specular(specular, raw.attributes.get("specular"), file)
+    return _dataset(raw, attributes)
 
 
 def write_spectra(path: str | os.PathLike[str], spectra: xarray.Dataset) -> Path:
-    """Write reflectance spectra as CSV, wavelengths down, 0–1.
+    """Write reflectance spectra in the format that the suffix names, as 0–1.
 
     Parameters
     ----------
     path : str or path-like
-        The file to write.
+        The file to write; suffixes as for :func:`read_spectra`. An ENVI cube is
+        written as float32 to ``.hdr`` and ``.bip``; the others keep every digit.
     spectra : xarray.Dataset
         As :func:`read_spectra` returns.
 
@@ -109,190 +103,158 @@ def write_spectra(path: str | os.PathLike[str], spectra: xarray.Dataset) -> Path
     -------
     path : Path
         The file written.
+
+    Raises
+    ------
+    ArgumentError
+        If the suffix is unknown, or the spectra are such that the format cannot
+        hold them or :func:`read_spectra` would refuse them. Nothing is written.
     """
     file = Path(path)
-    if file.suffix.lower() != ".csv":
-        raise ArgumentError(f"{file}: spectra are written as .csv")
-    if "reflectance" not in spectra or "label" not in spectra.coords:
-        raise ArgumentError(
-            "spectra need reflectance (record, wavelength) and the coordinate label"
+    form = _format_of(file, ArgumentError)
+    dims = _dims(spectra, file)
+    if dims not in form.KINDS:
+        what, better = (
+            ("a list of spectra", ".csv or .nc")
+            if dims == LIST
+            else ("a cube", ".hdr or .nc")
         )
-    reflectance = spectra["reflectance"].transpose("wavelength", "record").values
-    if not np.isfinite(reflectance).all():
-        raise ArgumentError("spectra with missing bands cannot be written; drop them")
-    with (
-        whole_file(file) as partial,
-        partial.open("w", newline="", encoding="utf-8") as text,
-    ):
-        for key in ("specular", "geometry"):
-            if key in spectra.attrs:
-                text.write(f"# {key}: {spectra.attrs[key]}\n")
-        rows = csv.writer(text, lineterminator="\n")
-        rows.writerow(["wavelength_nm", *(str(x) for x in spectra["label"].values)])
-        for nm, row in zip(spectra["wavelength"].values, reflectance, strict=True):
-            rows.writerow([repr(float(nm)), *(repr(float(value)) for value in row)])
+        raise ArgumentError(f"{file}: {file.suffix} cannot hold {what}; write {better}")
+    values = _values(spectra, dims, file)
+    if not form.MISSING and not np.isfinite(values).all():
+        raise ArgumentError(
+            f"{file}: spectra with missing bands cannot be written as {file.suffix}; "
+            "drop the bands or write .nc"
+        )
+    wavelengths = spectra["wavelength"].values.astype(np.float64)
+    by = Judged(str(file), missing=form.MISSING, error=ArgumentError)
+    require_wavelengths(wavelengths, by)
+    if dims == CUBE:
+        require_cube(values, wavelengths, by)
+    else:
+        require_list(values, wavelengths, _names(len(values)), by)
+    attributes = spectra["reflectance"].attrs | {"units": "1"}
+    form.write(
+        file, spectra.assign(reflectance=((*dims, "wavelength"), values, attributes))
+    )
     return file
 
 
-def _specular(value: str | float, file: Path) -> str | float:
+def _format_of(file: Path, error: type[SkinvizError]) -> Format:
+    """Return the format of a suffix, or list the known ones."""
+    suffix = file.suffix.lower()
+    if suffix in FORMATS:
+        return FORMATS[suffix]
+    known = ", ".join(FORMATS)
+    if suffix in envi.RAW_SUFFIXES:
+        raise error(
+            f"{file}: a raw cube is known by its ENVI header beside it; give "
+            f"{file.with_suffix('.hdr').name}, and write the header if there is none"
+        )
+    raise error(
+        f"{file}: spectra are read and written as {known}; "
+        f"{suffix or 'no suffix'!r} is none of them"
+    )
+
+
+def _full_scale(raw: RawSpectra, asked: float | None, file: Path) -> float:
+    """Return what reflectance 1 is written as, as the file and the caller say."""
+    told = raw.written_as
+    if told is not None and not (np.isfinite(told) and told > 0):
+        raise DataError(
+            f"{file}: says that reflectance 1 is written as {told:g}; expected a "
+            "number above 0"
+        )
+    if told is not None and asked is not None and told != asked:
+        raise DataError(
+            f"{file} says that reflectance 1 is written as {told:g}, and a scale on "
+            f"which it is {asked:g} was given; correct the one that is wrong"
+        )
+    for full in (told, asked, raw.unless_said):
+        if full is not None:
+            return full
+    raise DataError(
+        f"{file}: does not say whether it has 0-1 or 0-100, and both are usual in such "
+        "files; say --scale fraction or --scale percent"
+    )
+
+
+def _specular(given: Any, noted: Any, file: Path) -> dict[str, str | float]:
+    """Return how the surface was measured, as the file and the caller say."""
+    told = [_as_specular(how, file) for how in (given, noted) if how is not None]
+    if len(set(told)) > 1:
+        raise DataError(
+            f"{file} says that its surface reflection is {told[1]}, and {told[0]} was "
+            "given; correct the one that is wrong"
+        )
+    return {"specular": told[0]} if told else {}
+
+
+def _as_specular(value: Any, file: Path) -> str | float:
     """Return how the surface was measured, or say in which file it is misspelt."""
     try:
-        return as_specular(value)
+        return as_specular(value if np.ndim(value) == 0 else str(value))
     except ArgumentError as error:
         raise DataError(f"{file}: {error}") from error
 
 
-def _rows(file: Path) -> tuple[list[tuple[int, list[str]]], dict[str, str]]:
-    """Return (line number, cells) of each line with data, and the notes."""
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DataError(f"{file}: not a text file; spectra are read as CSV") from error
-    except OSError as error:
-        raise DataError(f"{file}: cannot be read: {error.strerror}") from error
-    notes, lines = {}, []
-    for number, line in enumerate(text.splitlines(), start=1):
-        if line.startswith("#"):
-            key, _, value = line[1:].partition(":")
-            notes[key.strip().lower()] = value.strip()
-        elif line.strip():
-            lines.append((number, line))
-    if not lines:
-        raise DataError(f"{file}: no data, only comments or blank lines")
-    # The mark that splits the last line, all numbers, splits every line.
-    mark = max("\t;,", key=lines[-1][1].count)
-    parsed = csv.reader((line for _, line in lines), delimiter=mark)
-    try:
-        rows = [
-            (number, [cell.strip() for cell in cells])
-            for (number, _), cells in zip(lines, parsed, strict=True)
-        ]
-    except (csv.Error, ValueError) as error:
-        raise DataError(f"{file}: a quotation mark is not closed: {error}") from error
-    return rows, notes
+def _dataset(raw: RawSpectra, attributes: dict[str, Any]) -> xarray.Dataset:
+    """Return what was read as a labelled table."""
+    import xarray
 
-
-def _table(
-    rows: list[tuple[int, list[str]]], file: Path
-) -> tuple[NDArray[np.float64], list[str], NDArray[np.float64]]:
-    """Return wavelengths, labels and values (records, wavelengths) of the rows."""
-    width = len(rows[0][1])
-    for number, cells in rows:
-        if len(cells) != width:
-            raise DataError(
-                f"{file} line {number}: {len(cells)} cells where the first line has "
-                f"{width}"
-            )
-    header = rows[0][1]
-    across = [i for i, cell in enumerate(header) if _is_number(cell)]
-    if header[0].lower().startswith("wavelength") and width > 1:
-        body, labels = rows[1:], header[1:]
-    elif width == 2 and len(across) == 2:
-        body, labels = rows, [file.stem]
-    elif len(across) > 1 and len(rows) > 1:
-        return _table_across(rows, across, file)
-    else:
-        raise DataError(
-            f"{file}: the layout is neither of {_LAYOUTS}; its first line begins "
-            f"{', '.join(header)[:60]!r}"
+    rest = xarray.Dataset() if raw.rest is None else raw.rest
+    kept = {name: rest[name].attrs for name in rest.variables}
+    coordinates: dict[str, Any] = {
+        "wavelength": (
+            "wavelength",
+            raw.wavelengths,
+            kept.get("wavelength", {}) | {"units": "nm"},
         )
-    if not body:
-        raise DataError(f"{file}: a header and no data")
-    grid = np.array([[_number(c, n, file) for c in cells] for n, cells in body])
-    _require_finite(grid[:, 0], [number for number, _ in body], file)
-    return grid[:, 0], labels, np.ascontiguousarray(grid[:, 1:].T)
-
-
-def _table_across(
-    rows: list[tuple[int, list[str]]], across: list[int], file: Path
-) -> tuple[NDArray[np.float64], list[str], NDArray[np.float64]]:
-    """Return the table of a file with one spectrum a line."""
-    header = rows[0][1]
-    named = [i for i in range(len(header)) if i not in across]
-    wavelengths = np.array([float(header[i]) for i in across])
-    _require_finite(wavelengths, [rows[0][0]] * len(across), file)
-    labels = [
-        " ".join(cells[i] for i in named if cells[i]) or f"line {number}"
-        for number, cells in rows[1:]
-    ]
-    values = [[_number(cells[i], n, file) for i in across] for n, cells in rows[1:]]
-    return wavelengths, labels, np.array(values)
-
-
-def _is_number(cell: str) -> bool:
-    """Return whether a cell reads as a number."""
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return "_" not in cell  # Python's own spelling, nobody else's
-
-
-def _number(cell: str, line: int, file: Path) -> float:
-    """Return a cell's number or say where it is not one."""
-    if not _is_number(cell):
-        what = "an empty cell" if not cell else repr(cell)
-        hint = "; write decimal points, not commas" if "," in cell else ""
-        raise DataError(f"{file} line {line}: expected a number, found {what}{hint}")
-    return float(cell)
-
-
-def _require_finite(
-    wavelengths: NDArray[np.float64], lines: list[int], file: Path
-) -> None:
-    """Refuse a wavelength that is NaN or infinite, naming its line."""
-    for line, nm in zip(lines, wavelengths, strict=True):
-        if not np.isfinite(nm):
-            raise DataError(f"{file} line {line}: the wavelength is {nm}")
-
-
-def _require_ascending(wavelengths: NDArray[np.float64], file: Path) -> None:
-    """Refuse wavelengths that do not ascend or are not in nm."""
-    steps = np.flatnonzero(np.diff(wavelengths) <= 0)
-    if steps.size:
-        i = int(steps[0])
-        raise DataError(
-            f"{file}: wavelengths must ascend; {wavelengths[i + 1]:g} nm follows "
-            f"{wavelengths[i]:g} nm; reverse or sort them with their values"
-        )
-    if wavelengths[0] < 100 or wavelengths[-1] > 5000:
-        raise DataError(
-            f"{file}: wavelengths run from {wavelengths[0]:g} to {wavelengths[-1]:g}; "
-            "they are expected in nm"
-        )
-
-
-def _require_reflectance(
-    values: NDArray[np.float64],
-    wavelengths: NDArray[np.float64],
-    labels: list[str],
-    scale: str,
-    file: Path,
-) -> None:
-    """Refuse what cannot be reflectance on the declared scale."""
-    highest = 1.5 / SCALES[scale]
-    # Beyond the visible, instruments are noisy and nothing uses the bands.
-    inside = (wavelengths >= 400) & (wavelengths <= 700)
-    wavelengths, values = wavelengths[inside], values[:, inside]
-    checks = (
-        (~np.isfinite(values), "is not finite; remove the band or the spectrum"),
-        (values < 0, "is negative; check the dark and white measurements"),
-        (
-            values > highest,
-            "is above 1.5; if the file is in per cent say --scale percent"
-            if scale == "fraction"
-            else f"is above {highest:g} %",
-        ),
+    }
+    if raw.labels is not None:
+        labels = np.array(raw.labels, dtype=np.str_)
+        coordinates["label"] = ("record", labels, kept.get("label", {}))
+        if "record" not in rest.coords:
+            coordinates["record"] = np.arange(len(labels))
+    dims = CUBE if raw.labels is None else LIST
+    units = kept.get("reflectance", {}) | {"units": "1"}
+    found = rest.assign_coords(coordinates).assign(
+        reflectance=((*dims, "wavelength"), raw.values, units)
     )
-    for bad, why in checks:
-        if bad.any():
-            record, band = (int(i) for i in np.argwhere(bad)[0])
-            raise DataError(
-                f"{file}, spectrum {labels[record]!r} at {wavelengths[band]:g} nm: "
-                f"{values[record, band]:g} {why}"
-            )
-    if scale == "percent" and values.size and values.max() <= 1.0:
-        raise DataError(
-            f"{file}: every value is at most 1, which is no skin in per cent; say "
-            "--scale fraction"
+    found.attrs = attributes
+    return found
+
+
+def _dims(spectra: xarray.Dataset, file: Path) -> tuple[str, ...]:
+    """Return the dimensions before the wavelength, or say what is expected."""
+    found = getattr(spectra, "data_vars", {})
+    if "reflectance" in found and "wavelength" in spectra.coords:
+        for dims in (LIST, CUBE):
+            if {*dims, "wavelength"} == set(spectra["reflectance"].dims) and (
+                dims == CUBE or "label" in spectra.coords
+            ):
+                return dims
+    raise ArgumentError(
+        f"{file}: spectra need reflectance (record, wavelength) and the coordinates "
+        "wavelength and label, or reflectance (line, sample, wavelength)"
+    )
+
+
+def _values(spectra: xarray.Dataset, dims: tuple[str, ...], file: Path) -> NDArray[Any]:
+    """Return the reflectance with the wavelength last, as float32 or float64."""
+    reflectance = spectra["reflectance"].transpose(*dims, "wavelength")
+    unit = str(reflectance.attrs.get("units", "1"))
+    if unit not in ("1", "") or reflectance.dtype.kind not in "fiu":
+        raise ArgumentError(
+            f"{file}: reflectance is {reflectance.dtype} in {unit!r}; expected real "
+            "numbers in '1', that is 0 to 1"
         )
+    if reflectance.size == 0:
+        raise ArgumentError(f"{file}: there are no spectra to write")
+    values = reflectance.values
+    return values.astype(np.result_type(values, np.float32), copy=False)
+
+
+def _names(count: int) -> list[str]:
+    """Return names for messages: a label may not be text before it is written."""
+    return [f"number {i + 1}" for i in range(count)]

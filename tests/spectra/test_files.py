@@ -6,10 +6,10 @@ import stat
 
 import numpy as np
 import pytest
-import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
+from spectra_tables import skin_like, spectra_cube, spectra_list
 
 from skinviz import (
     ArgumentError,
@@ -35,22 +35,6 @@ def written(tmp_path):
         return path
 
     return write
-
-
-def dataset(values, labels=None, nm=None, **attributes):
-    """Return spectra as read_spectra does."""
-    values = np.atleast_2d(values)
-    labels = [f"s{i}" for i in range(len(values))] if labels is None else labels
-    nm = 400.0 + 10 * np.arange(values.shape[1]) if nm is None else nm
-    return xarray.Dataset(
-        {"reflectance": (("record", "wavelength"), values)},
-        coords={
-            "record": np.arange(len(labels)),
-            "label": ("record", np.array(labels, dtype=str)),
-            "wavelength": nm,
-        },
-        attrs=attributes,
-    )
 
 
 # --- reading -------------------------------------------------------------------
@@ -235,7 +219,7 @@ def test_specular_that_no_model_knows_is_refused(written, wrong):
 )
 def test_what_is_written_is_read(values, tmp_path_factory):
     path = tmp_path_factory.mktemp("spectra") / "hand.csv"
-    spectra = dataset(values, specular="included", geometry="d:8")
+    spectra = spectra_list(values, specular="included", geometry="d:8")
     found = read_spectra(write_spectra(path, spectra))
     assert_array_equal(found.reflectance, values)
     assert_array_equal(found.wavelength, spectra.wavelength)
@@ -247,19 +231,21 @@ def test_what_is_written_is_read(values, tmp_path_factory):
     "label", ["left, right", "a;b", 'the "best"', "#1", "Ä/β", "7", "nan"]
 )
 def test_labels_come_back_as_they_were(tmp_path, label):
-    path = write_spectra(tmp_path / "hand.csv", dataset([[0.1, 0.2]], [label]))
+    path = write_spectra(tmp_path / "hand.csv", spectra_list([[0.1, 0.2]], [label]))
     assert read_spectra(path).label.values.tolist() == [label]
 
 
 def test_wavelengths_come_back_as_they_were(tmp_path):
     nm = np.array([400.123456, 500.0, 632.8, 632.8001, 1064.4444])
-    spectra = dataset([[0.1, 0.2, 0.3, 0.4, 0.5]], nm=nm)
+    spectra = spectra_list([[0.1, 0.2, 0.3, 0.4, 0.5]], nm=nm)
     found = read_spectra(write_spectra(tmp_path / "hand.csv", spectra))
     assert_array_equal(found.wavelength, nm)
 
 
 def test_a_number_for_the_surface_comes_back_as_a_number(tmp_path):
-    path = write_spectra(tmp_path / "hand.csv", dataset([[0.1, 0.2]], specular=0.03))
+    path = write_spectra(
+        tmp_path / "hand.csv", spectra_list([[0.1, 0.2]], specular=0.03)
+    )
     assert read_spectra(path).attrs["specular"] == 0.03
 
 
@@ -273,7 +259,7 @@ def test_missing_bands_cannot_be_written_and_lost(tmp_path):
     """What would be refused when read is refused when written."""
     path = tmp_path / "hand.csv"
     with pytest.raises(SkinvizError, match=r"finite|NaN|missing"):
-        write_spectra(path, dataset([[0.1, np.nan]]))
+        write_spectra(path, spectra_list([[0.1, np.nan]]))
     assert not path.exists()
 
 
@@ -281,14 +267,14 @@ def test_missing_bands_cannot_be_written_and_lost(tmp_path):
 
 
 def test_a_folder_is_made_and_nothing_is_left_beside(tmp_path):
-    path = write_spectra(tmp_path / "new" / "hand.csv", dataset([[0.1, 0.2]]))
+    path = write_spectra(tmp_path / "new" / "hand.csv", spectra_list([[0.1, 0.2]]))
     assert [p.name for p in path.parent.iterdir()] == ["hand.csv"]
 
 
 def test_a_written_file_has_the_users_own_rights(tmp_path):
     mask = os.umask(0o027)
     try:
-        path = write_spectra(tmp_path / "hand.csv", dataset([[0.1, 0.2]]))
+        path = write_spectra(tmp_path / "hand.csv", spectra_list([[0.1, 0.2]]))
     finally:
         os.umask(mask)
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
@@ -304,7 +290,7 @@ class Unprintable:
 def test_a_failure_leaves_the_old_file_and_no_other(tmp_path):
     path = tmp_path / "hand.csv"
     path.write_text("precious")
-    spectra = dataset([[0.1, 0.2]])
+    spectra = spectra_list([[0.1, 0.2]])
     spectra["label"] = ("record", np.array([Unprintable()], dtype=object))
     with pytest.raises(SkinvizError, match=re.escape(f"cannot write {path}")):
         write_spectra(path, spectra)
@@ -312,13 +298,111 @@ def test_a_failure_leaves_the_old_file_and_no_other(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_only_csv_is_written(tmp_path):
-    with pytest.raises(ArgumentError, match=r"written as \.csv"):
-        write_spectra(tmp_path / "hand.xlsx", dataset([[0.1, 0.2]]))
+def test_an_unknown_suffix_lists_the_known(tmp_path, written):
+    known = r"\.csv, \.tsv, \.spdx, \.cgats, \.txt, \.nc, \.hdr; '\.xlsx' is none"
+    with pytest.raises(ArgumentError, match=known):
+        write_spectra(tmp_path / "hand.xlsx", spectra_list([[0.1, 0.2]]))
     assert not list(tmp_path.iterdir())
+    with pytest.raises(DataError, match=known):
+        read_spectra(written(DOWN, "hand.xlsx"))
+    with pytest.raises(DataError, match="'no suffix' is none"):
+        read_spectra(written(DOWN, "hand"))
 
 
 def test_a_place_that_is_no_folder_is_refused(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(SkinvizError, match="cannot write"):
-        write_spectra(tmp_path / "file" / "hand.csv", dataset([[0.1, 0.2]]))
+        write_spectra(tmp_path / "file" / "hand.csv", spectra_list([[0.1, 0.2]]))
+
+
+# --- scale and kind, alike in all formats --------------------------------------
+
+
+@pytest.mark.parametrize("given", [None, "percent"])
+def test_a_note_declares_the_scale(written, given):
+    path = written("# Scale: percent\nwavelength_nm,A\n400,10\n500,30\n600,50\n")
+    assert_allclose(read_spectra(path, scale=given).reflectance, VALUES[:1], rtol=1e-15)
+
+
+def test_a_caller_who_contradicts_the_scale_is_refused(written):
+    path = written("# scale: percent\nwavelength_nm,A\n400,10\n500,30\n")
+    with pytest.raises(DataError, match=r"says .* written as 100, and .* it is 1 was"):
+        read_spectra(path, scale="fraction")
+
+
+def test_a_misspelt_scale_in_the_file_is_refused(written):
+    with pytest.raises(DataError, match="unknown scale 'perc'; choose one of: frac"):
+        read_spectra(written("# scale: perc\n" + DOWN))
+
+
+def test_a_declared_scale_that_cannot_be_is_refused(written):
+    with pytest.raises(DataError, match=r"at most 1.*correct the scale in the file"):
+        read_spectra(written("# scale: percent\n" + DOWN))
+    with pytest.raises(DataError, match=r"60 is above 1.5, and the file declares 0"):
+        read_spectra(written("# scale: fraction\n" + DOWN.replace("0.6", "60")))
+
+
+def test_tabs_are_written_where_the_suffix_says_so(tmp_path):
+    path = write_spectra(tmp_path / "hand.tsv", spectra_list(VALUES, ["A, B", "C"]))
+    assert "wavelength_nm\tA, B\tC\n" in path.read_text()
+    assert_array_equal(read_spectra(path).reflectance, VALUES)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".tsv", ".spdx", ".cgats", ".txt"])
+def test_text_cannot_hold_cubes_or_missing_bands(tmp_path, suffix):
+    path = tmp_path / f"hand{suffix}"
+    with pytest.raises(ArgumentError, match=r"cannot hold a cube; write \.hdr or \.nc"):
+        write_spectra(path, spectra_cube(skin_like(2, 2, 3)))
+    with pytest.raises(ArgumentError, match=r"missing bands.*drop .* or write \.nc"):
+        write_spectra(path, spectra_list([[0.1, np.nan, 0.2]]))
+    assert not list(tmp_path.iterdir())
+
+
+REFUSED_TO_WRITE = {
+    "text": ("spectra", "spectra need reflectance"),
+    "no reflectance": (
+        spectra_list(VALUES).rename(reflectance="r"),
+        "need reflectance",
+    ),
+    "an array": (spectra_list(VALUES).reflectance, "need reflectance"),
+    "no wavelength": (spectra_list(VALUES).drop_vars("wavelength"), "wavelength and"),
+    "other dims": (spectra_list(VALUES).rename(record="x"), r"\(record, wavelength\)"),
+    "none": (spectra_list(VALUES).isel(record=[]), "no spectra to write"),
+    "no bands": (spectra_list(VALUES).isel(wavelength=[]), "no spectra to write"),
+    "negative": (spectra_list([[0.1, -0.2]]), "number 1.*400|410 nm: -0.2 is negative"),
+    "per cent": (spectra_list([[10.0, 20.0]]), "10 is above 1.5; .* 0 to 1"),
+    "infinite": (spectra_list([[0.1, np.inf]]), "finite|missing"),
+    "words": (spectra_list([["a", "b"]]), "expected real numbers"),
+    "complex": (spectra_list([[0.1j, 0.2]]), "expected real numbers"),
+    "descending": (spectra_list(VALUES, nm=[500, 400, 300]), "must ascend"),
+    "micrometres": (spectra_list(VALUES, nm=[0.4, 0.5, 0.6]), "expected in nm"),
+    "NaN nm": (spectra_list(VALUES, nm=[400, np.nan, 500]), "not a finite number"),
+}
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".cgats", ".nc"])
+@pytest.mark.parametrize("what", REFUSED_TO_WRITE)
+def test_what_reading_would_refuse_is_not_written(tmp_path, what, suffix):
+    spectra, told = REFUSED_TO_WRITE[what]
+    with pytest.raises(ArgumentError, match=told):
+        write_spectra(tmp_path / f"hand{suffix}", spectra)
+    assert not list(tmp_path.iterdir())
+
+
+def test_reflectance_in_per_cent_is_not_written_as_fractions(tmp_path):
+    spectra = spectra_list(VALUES)
+    spectra.reflectance.attrs["units"] = "%"
+    with pytest.raises(ArgumentError, match="in '%'; expected"):
+        write_spectra(tmp_path / "hand.csv", spectra)
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".tsv", ".spdx", ".cgats", ".txt"])
+@pytest.mark.parametrize("mark", ["\n", "\r", "\u2028", "\x00", "\x85", "\ud800"])
+def test_no_label_or_note_breaks_a_line(tmp_path, suffix, mark):
+    """It would come back as data, or not at all."""
+    path = tmp_path / f"hand{suffix}"
+    with pytest.raises(ArgumentError, match=r"label .* line break or control"):
+        write_spectra(path, spectra_list([[0.1, 0.2]], [f"a{mark}b"]))
+    with pytest.raises(ArgumentError, match=r"attribute geometry .* line break"):
+        write_spectra(path, spectra_list([[0.1, 0.2]], geometry=f"0{mark}500,9"))
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,239 @@
+"""ENVI cubes of reflectance: a text header ``.hdr`` and a raw file beside it.
+
+A bad band (0 in ``bbl``) and a value equal to ``data ignore value`` become NaN: the
+grid of wavelengths stays, and a fit leaves such bands out.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz._files import whole_file
+from skinviz.errors import ArgumentError, DataError
+from skinviz.spectra.formats.envi_header import choice, count, numbers, read_header
+from skinviz.spectra.formats.raw import (
+    CUBE,
+    RawSpectra,
+    in_nanometres,
+    joined,
+    notes_to_write,
+    number,
+    stated,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+KINDS, MISSING = (CUBE,), True
+
+RAW_SUFFIXES = (".bip", ".bil", ".bsq", ".img", ".dat", ".raw", ".bin")
+"""How the raw file beside a header may end; it may also have no suffix."""
+
+_BLOCK = 2**22  # bytes converted at once, which bounds the memory beside the cube
+# ENVI's codes of data types, except the complex ones 6 and 9.
+_TYPES = dict(
+    zip(
+        ("1", "2", "3", "4", "5", "12", "13", "14", "15"),
+        ("u1", "i2", "i4", "f4", "f8", "u2", "u4", "i8", "u8"),
+        strict=True,
+    )
+)
+# Axes of line, sample and band in the stored order.
+_AXES = {"bip": (0, 1, 2), "bil": (0, 2, 1), "bsq": (1, 2, 0)}
+_KEYS = {
+    "specular": "specular",
+    "geometry": "geometry",
+    "instrument": "sensor type",
+    "date": "acquisition time",
+    "comment": "description",
+}
+_FILE_TYPES = ("envi", "envi standard")
+
+
+def read(file: Path) -> RawSpectra:
+    """Return the cube; 8- and 16-bit integers and float32 become float32."""
+    header = read_header(file)
+    cube = _stored(header, file)
+    bands = cube.shape[-1]
+    unit = header.get("wavelength units")
+    if unit is None or "wavelength" not in header:
+        raise DataError(
+            f"{file}: says no 'wavelength' or no 'wavelength units'; add the list of "
+            "bands and 'wavelength units = Nanometers' to the header"
+        )
+    wavelengths = np.array(numbers(header, "wavelength", bands, file))
+    scale = header.get("reflectance scale factor")
+    _require_no_gains(header, bands, file)
+    return RawSpectra(
+        values=_converted(cube, _bad_bands(header, bands, file), header, file),
+        wavelengths=in_nanometres(wavelengths, unit, file),
+        labels=None,
+        written_as=None
+        if scale is None
+        else number(scale, f"{file}, reflectance scale factor"),
+        attributes=stated(
+            {key: joined(header.get(word, "")) for key, word in _KEYS.items()}
+        ),
+    )
+
+
+def write(file: Path, spectra: xarray.Dataset) -> None:
+    """Write float32, band-interleaved by pixel, 0–1; NaN marks missing values."""
+    raw = file.with_suffix(".bip")
+    others = [other for other in _raw_files(file) if other != raw]
+    if others:
+        raise ArgumentError(
+            f"{file}: {others[0].name} lies beside it and would be taken for its raw "
+            "file; choose another name"
+        )
+    reflectance = spectra["reflectance"].values
+    text = _header_text(spectra, file)
+    # The inner file takes its name first: no header without its raw file.
+    with whole_file(file) as head, whole_file(raw) as body:
+        head.write_text(text, encoding="utf-8")
+        with body.open("wb") as stream:
+            for block in _blocks(len(reflectance), reflectance[0].size * 4):
+                with np.errstate(over="ignore"):
+                    part = reflectance[block].astype("<f4")
+                if np.isinf(part).any():
+                    raise ArgumentError(f"{file}: a value is too large for float32")
+                part.tofile(stream)
+
+
+def _header_text(spectra: xarray.Dataset, file: Path) -> str:
+    """Return the header of a float32 cube, band-interleaved by pixel."""
+    notes = notes_to_write(spectra, file)
+    if any(mark in text for text in notes.values() for mark in "{}"):
+        raise ArgumentError(f"{file}: an attribute has a brace, which .hdr cannot hold")
+    lines, samples, bands = spectra["reflectance"].shape
+    nm = ", ".join(repr(float(value)) for value in spectra["wavelength"].values)
+    header = {
+        "description": f"{{{notes.get('comment', '')}}}",
+        "samples": samples,
+        "lines": lines,
+        "bands": bands,
+        "header offset": 0,
+        "file type": "ENVI Standard",
+        "data type": 4,
+        "interleave": "bip",
+        "byte order": 0,
+        "reflectance scale factor": 1,
+        "data ignore value": "nan",
+        "wavelength units": "Nanometers",
+        "wavelength": f"{{{nm}}}",
+    } | {_KEYS[key]: text for key, text in notes.items() if key != "comment"}
+    return "ENVI\n" + "".join(f"{key} = {value}\n" for key, value in header.items())
+
+
+def _stored(header: dict[str, str], file: Path) -> NDArray[Any]:
+    """Return the raw file, not yet in memory, with the axes line, sample, band."""
+    kind = header.get("file type", "ENVI")
+    if kind.lower() not in _FILE_TYPES:
+        raise DataError(
+            f"{file}: the file type is {kind[:40]!r}; cubes are ENVI Standard"
+        )
+    axes = _AXES[choice(header, "interleave", _AXES, file)]
+    code = choice(header, "data type", _TYPES, file)
+    order = {"0": "<", "1": ">"}[choice(header, "byte order", ("0", "1"), file)]
+    dtype = np.dtype(order + _TYPES[code])
+    shape = [count(header, name, file) for name in ("lines", "samples", "bands")]
+    offset = count(header, "header offset", file) if "header offset" in header else 0
+    raw = _raw_file(file)
+    expected = offset + int(np.prod([*map(int, shape)], dtype=object)) * dtype.itemsize
+    size = raw.stat().st_size
+    if 0 in shape or size != expected:
+        what = " × ".join(map(str, shape))
+        raise DataError(
+            f"{file}: {what} lines, samples and bands of {dtype.itemsize} bytes after "
+            f"{offset} need {expected} bytes, at least one; {raw.name} has {size}"
+        )
+    stored = [shape[axes.index(axis)] for axis in range(3)]
+    try:
+        cube = np.memmap(raw, dtype, "r", offset, tuple(stored))
+    except (OSError, ValueError) as error:
+        raise DataError(f"{raw}: cannot be read: {error}") from error
+    return np.transpose(cube, axes)
+
+
+def _raw_file(file: Path) -> Path:
+    """Return the one raw file that belongs to a header."""
+    found = _raw_files(file)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        names = ", ".join(sorted(path.name for path in found))
+        raise DataError(f"{file}: {names} may all be its raw file; keep one beside it")
+    raise DataError(
+        f"{file}: no raw file beside it; expected {file.stem} alone or with one of "
+        f"{', '.join(RAW_SUFFIXES)}"
+    )
+
+
+def _raw_files(file: Path) -> list[Path]:
+    """Return the files that may be a header's raw file."""
+    if not file.parent.is_dir():
+        return []
+    return [
+        path
+        for path in file.parent.iterdir()
+        if (
+            path.name == file.stem
+            or (path.stem == file.stem and path.suffix.lower() in RAW_SUFFIXES)
+        )
+        and path.is_file()
+    ]
+
+
+def _converted(
+    cube: NDArray[Any], bad: NDArray[np.bool_], header: dict[str, str], file: Path
+) -> NDArray[Any]:
+    """Return the cube as floats in memory, NaN where it is marked as missing."""
+    ignored = None
+    if "data ignore value" in header:
+        ignored = number(header["data ignore value"], f"{file}, data ignore value")
+    lines, samples, bands = cube.shape
+    try:
+        values = np.zeros(cube.shape, dtype=np.result_type(cube.dtype, np.float32))
+    except MemoryError as error:
+        raise DataError(f"{file}: the cube does not fit into the memory") from error
+    # A signalling NaN or an ignore value beyond float32 would warn.
+    with np.errstate(all="ignore"):
+        if ignored is not None and cube.dtype.kind == "f":
+            ignored = float(cube.dtype.type(ignored))
+        for block in _blocks(lines, samples * bands * cube.dtype.itemsize):
+            part = cube[block]
+            values[block] = part
+            if ignored is not None:
+                values[block][part == ignored] = np.nan
+    values[..., bad] = np.nan
+    return values
+
+
+def _blocks(lines: int, bytes_a_line: int) -> list[slice]:
+    """Return slices of lines that hold about ``_BLOCK`` bytes each."""
+    step = max(1, _BLOCK // max(bytes_a_line, 1))
+    return [slice(i, i + step) for i in range(0, lines, step)]
+
+
+def _bad_bands(header: dict[str, str], bands: int, file: Path) -> NDArray[np.bool_]:
+    """Return which bands the header's list marks as bad."""
+    if "bbl" not in header:
+        return np.zeros(bands, dtype=bool)
+    marks = np.array(numbers(header, "bbl", bands, file))
+    if not np.isin(marks, (0, 1)).all():
+        raise DataError(f"{file}: 'bbl' has other values than 0 (bad) and 1 (good)")
+    return np.asarray(marks == 0)
+
+
+def _require_no_gains(header: dict[str, str], bands: int, file: Path) -> None:
+    """Refuse gains and offsets that are not applied yet: they make no reflectance."""
+    for name, neutral in (("data gain values", 1.0), ("data offset values", 0.0)):
+        if name in header and set(numbers(header, name, bands, file)) != {neutral}:
+            raise DataError(
+                f"{file}: '{name}' are not applied yet, so it is no reflectance; "
+                "convert it first"
+            )
