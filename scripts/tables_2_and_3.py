@@ -15,7 +15,7 @@ import numpy as np
 
 from skinviz import load_archive, skin_models
 from skinviz._files import whole_file
-from skinviz.skin.fit import AT_BOUND
+from skinviz.skin.skin_fit import AT_BOUND
 from skinviz.study.people import People, at_quantiles, people_at
 from skinviz.study.tables import (
     COEFFICIENTS,

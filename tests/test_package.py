@@ -30,7 +30,7 @@ def _loaded_after(statement):
     "statement",
     [
         "import skinviz",
-        "import skinviz; skinviz.kubelka_munk_layer(1, 1, 1)",
+        "import skinviz; skinviz.read_spectra",
         "import skinviz; skinviz.TorranceSparrow()",
     ],
 )

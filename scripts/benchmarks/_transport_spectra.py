@@ -12,7 +12,7 @@ import numpy as np
 from skinviz.skin.coefficients import layer_thickness, load_coefficients
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.interface import Interface, interface
-from skinviz.skin.kubelka_munk import layer_fluxes, stack_reflectance
+from skinviz.skin.kubelka_munk import kubelka_munk_layer
 from skinviz.skin.models import skin_model
 from skinviz.skin.scattering_rules import SCATTERING_RULES
 from skinviz.spectra.colorimetry import delta_e_2000, spectrum_to_xyz, xyz_to_lab
@@ -92,10 +92,11 @@ def by_kubelka_munk(tissue, sites, rule):
     inside = in_e[:, None] & in_d
     spectra = []
     for site in sites:
-        d_e, d_d = (np.array(depth) for depth in layer_thickness(site))
-        top, bottom = layer_fluxes(K_e, S_e, d_e), layer_fluxes(K_d, S_d, d_d)
-        above = type(top)(*(flux[:, None] for flux in top))
-        spectra.append(stack_reflectance(above, bottom, 1.0))
+        d_e, d_d = layer_thickness(site)
+        R_e, T_e = (x[:, None] for x in kubelka_munk_layer(K_e, S_e, d_e))
+        R_d, T_d = kubelka_munk_layer(K_d, S_d, d_d)
+        base = R_d + T_d**2 / (1 - R_d)
+        spectra.append(R_e + T_e**2 * base / (1 - R_e * base))
     return np.where(inside, np.array(spectra), np.nan)
 
 

@@ -29,7 +29,7 @@ from skinviz._validate import one_of
 from skinviz.errors import DataError
 from skinviz.spectra.archive_data import LABELS, archive_dataset
 from skinviz.spectra.archives import SOURCES, load_archive
-from skinviz.spectra.files import SCALES
+from skinviz.spectra.formats.raw import SCALES
 from skinviz.spectra.issa_layout import COLUMNS, HEAD_ROWS, WIDEST, find_layouts
 from skinviz.spectra.issa_rows import sheet_records, sheet_rows
 
@@ -151,7 +151,7 @@ def _archive(
     file: Path,
 ) -> xarray.Dataset:
     """Return records as an archive, codes named and empty bands left out."""
-    if scale == "percent" and np.nanmax(reflectance) <= SCALES["percent"]:
+    if scale == "percent" and np.nanmax(reflectance) <= 1 / SCALES["percent"]:
         raise DataError(
             f"{file}: every value is at most 1, which is no skin in per cent; say "
             "--scale fraction"

@@ -11,7 +11,7 @@ import numpy as np
 
 from skinviz.errors import DataError
 from skinviz.spectra.archive_data import LABELS
-from skinviz.spectra.files import SCALES
+from skinviz.spectra.formats.raw import SCALES
 from skinviz.spectra.issa_layout import Layout
 
 _INCLUDED = ("sci", "included", "specular included", "specular component included")
@@ -105,12 +105,12 @@ def _number(
         raise DataError(
             f"{place(column)}: a number is due for {nm:g} nm; the cell is {cell!r}"
         )
-    value = cell * SCALES[scale]
+    value = cell / SCALES[scale]
     if not value <= _HIGHEST:
         hint = "; if the file is in per cent say --scale percent"
         raise DataError(
             f"{place(column)}: {cell:g} at {nm:g} nm is above "
-            f"{_HIGHEST / SCALES[scale]:g}{hint if scale == 'fraction' else ''}"
+            f"{_HIGHEST * SCALES[scale]:g}{hint if scale == 'fraction' else ''}"
         )
     if value <= 0 and _SEEN[0] <= nm <= _SEEN[1]:
         raise DataError(

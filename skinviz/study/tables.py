@@ -9,8 +9,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.skin.fit import NOT_CONVERGED, REFUSED, fit_skin
+from skinviz.skin.fit import fit_skin
 from skinviz.skin.models import skin_model
+from skinviz.skin.skin_fit import NOT_CONVERGED, REFUSED
 from skinviz.study.people import People
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from tolerances import SAME_OPTIMUM
 
 from skinviz import ArgumentError, FitError, fit_skin, skin_model
 from skinviz.skin.coefficients import body_sites, load_coefficients
-from skinviz.skin.fit import STATUSES
+from skinviz.skin.skin_fit import STATUSES
 from skinviz.spectra.colorimetry import delta_e_2000, spectrum_to_xyz, xyz_to_lab
 
 NM = np.arange(400.0, 701.0, 10.0)
