@@ -21,11 +21,11 @@ DEPTH = layer_thickness("inner arm")
 
 @pytest.fixture(scope="module")
 def people():
-    """Noisy spectra of eight people whose skin has the true numbers."""
+    """Noisy spectra of six people whose skin has the true numbers."""
     rng = np.random.default_rng(5)
-    weights = rng.uniform((0.05, 4e-3, 2e-3), (0.5, 2e-2, 1e-2), (8, 3))
+    weights = rng.uniform((0.05, 4e-3, 2e-3), (0.5, 2e-2, 1e-2), (6, 3))
     model = TwoLayer(DEPTH, effective_coefficients(TRUTH, "true"), "included")
-    return model.measured(weights, BANDS) + rng.normal(0, NOISE, (8, BANDS.size))
+    return model.measured(weights, BANDS) + rng.normal(0, NOISE, (6, BANDS.size))
 
 
 @pytest.fixture(scope="module")
@@ -50,38 +50,22 @@ def test_known_numbers_come_back_within_their_errors(alone):
 
 
 def test_noise_is_all_that_remains(alone):
-    freedom = 8 * (BANDS.size - 3) - len(NAMES)
+    freedom = 6 * (BANDS.size - 3) - len(NAMES)
     assert_allclose(alone.sse.sum() / NOISE**2, freedom, atol=5 * np.sqrt(2 * freedom))
 
 
 def test_both_kinds_of_error_agree_where_residuals_are_independent_noise(alone):
     ratio = alone.standard_errors(between_people=True) / alone.standard_errors()
-    assert_array_less(ratio, 3)  # eight people: a rough estimate
+    assert_array_less(ratio, 3)  # six people: a rough estimate
     assert_array_less(1 / ratio, 3)
 
 
-@pytest.fixture(scope="module")
-def held(people):
-    """Their numbers, by priors that hardly yield."""
-    return tune(
-        *(people, BANDS, DEPTH),
-        specular="included",
-        residual_scale=NOISE,
-        prior_scale=1e-4,
-    )
-
-
-def test_priors_draw_the_numbers_to_their_means(held, alone):
+def test_priors_draw_the_numbers_to_their_means(people, alone):
+    held = tune(people, BANDS, DEPTH, specular="included", residual_scale=1e4 * NOISE)
     assert_array_less(np.abs(held.pull), 0.05)
     assert np.abs(alone.pull).max() > 0.5
     assert_allclose(held.learned, 0, atol=0.2)
     assert held.sse.sum() > 10 * alone.sse.sum()
-
-
-def test_only_the_ratio_of_the_two_scales_decides(people, held):
-    coarse = tune(people, BANDS, DEPTH, specular="included", residual_scale=1e4 * NOISE)
-    assert_allclose(astuple(coarse.numbers), astuple(held.numbers), rtol=1e-5)
-    assert_allclose(coarse.learned, held.learned, atol=1e-3)
 
 
 def test_the_true_table_leaves_only_noise_and_another_does_not(people):
@@ -155,6 +139,6 @@ def test_too_few_people_are_refused(people):
 
 def test_a_spectrum_that_cannot_be_fitted_is_named(people):
     bad = people.copy()
-    bad[6] = -0.1
-    with pytest.raises(ArgumentError, match=r"1 of 8 spectra .* index 6; leave them"):
+    bad[4] = -0.1
+    with pytest.raises(ArgumentError, match=r"1 of 6 spectra .* index 4; leave them"):
         tune(bad, BANDS, DEPTH, specular="included")
