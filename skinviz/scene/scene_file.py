@@ -23,7 +23,7 @@ from skinviz.spectra.archives import load_archive
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 
 _TEXT, _NUMBER, _NUMBERS, _COUNT = "text", "a number", "a list of numbers", "a count"
-_WORD_OR_NUMBER = "text or a number"
+_WORD_OR_NUMBER, _WORDS = "text or a number", "a list of texts"
 
 _TABLES = {
     "mesh": {"path": _TEXT, "unit": _TEXT},
@@ -33,6 +33,7 @@ _TABLES = {
         "thickness": _NUMBERS,
         "specular": _WORD_OR_NUMBER,
         "coefficients": _TEXT,
+        "free": _WORDS,
         "weights": _NUMBERS,
         "fit": _TEXT,
         "record": _COUNT,
@@ -64,7 +65,7 @@ _TABLES = {
 }
 
 
-_TISSUE = {"site", "thickness", "coefficients"}
+_TISSUE = {"site", "thickness", "coefficients", "free"}
 _SKIN_KEYS = {
     "weights": {"model", "specular"} | _TISSUE,
     "fit": {"record"},
@@ -164,6 +165,7 @@ def _require_kind(table: str, key: str, value: Any) -> None:
         _COUNT: number and isinstance(value, int) and value >= 0,
         _NUMBERS: isinstance(value, list) and all(map(_is_number, value)),
         _WORD_OR_NUMBER: isinstance(value, str) or number,
+        _WORDS: isinstance(value, list) and all(isinstance(x, str) for x in value),
     }
     if not fits[known[key]]:
         raise DataError(f"{key} in [{table}] must be {known[key]}; got {value!r}")
@@ -189,6 +191,8 @@ def _skin(table: dict[str, Any], folder: Path) -> Skin:
     if source == "fit":
         return skin_from_fit_file(folder / table["fit"], table.get("record", 0))
     options = {key: table[key] for key in _TISSUE if key in table}
+    if str(options.get("coefficients")).lower().endswith(".csv"):
+        options["coefficients"] = folder / options["coefficients"]
     name = table.get("model", "two-layer")
     if source == "archive":
         return _archive_skin(table, name, options)
@@ -233,6 +237,7 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
         known = content["format"] == FIT_FORMAT
         fits = content["fits"]
         options = {key: content[key] for key in ("specular", "coefficients")}
+        options |= {key: content[key] for key in ("free",) if key in content}
         name, thickness = content["model"], content["thickness_mm"]
         backing = content["hypodermis"]
     except (ValueError, KeyError, TypeError) as error:

@@ -18,13 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.skin.coefficients import Coefficients
+from skinviz.skin.coefficients import COLUMNS, Coefficients
 from skinviz.spectra.wavelengths import resample
 
 Array = NDArray[np.float64]
-
-COLUMNS = ("wavelength_nm", "K_m_mm1", "K_h_mm1", "K_dh_mm1", "S_e_mm1", "S_d_mm1")
-"""Header of a coefficient table."""
 
 TABLE_WAVELENGTHS: Array = np.arange(380.0, 781.0, 5.0)
 """Of the shipped tables. [nm]"""

@@ -133,27 +133,32 @@ def absorption_slopes(
 
 
 @inlined
-def stack(top: Layer, bottom: Layer, backing: float) -> tuple[float, Carry, Carry]:
-    """Return R_b of two layers over a backing, and what carries slopes to it.
+def over_backing(bottom: Layer, backing: float) -> tuple[float, float, Carry]:
+    """Return R and 1 − R of a layer on a backing, and what carries slopes to R.
 
-    Eqs (5) and (6) in complements, so that nothing cancels. What carries, of the top
-    and of the bottom layer: the reflectance R′ beneath it, 1 − R′, 1/(Q(1 − R R′)),
-    1/Q, and the flux that enters it.
+    Eq. (6) in complements, so that nothing cancels. What carries: the reflectance R′
+    beneath the layer, 1 − R′, 1/(Q(1 − R R′)), 1/Q, and the flux that enters it.
     """
     R, T, U, A, Q = bottom
     lost = 1 - backing
     V = U + R * lost
     share = 1 / (V * Q)
     base = (R * V + T * T * backing) * share
-    complement = (A * V + T * (A + (R + T) * lost)) * share  # 1 − R_dt
-    over, under = V * share, Q * share
-    R, T, U, A, Q = top
+    complement = (A * V + T * (A + (R + T) * lost)) * share
+    return base, complement, (backing, lost, Q * share, V * share, 1.0)
+
+
+@inlined
+def stack(top: Layer, bottom: Layer, backing: float) -> tuple[float, Carry, Carry]:
+    """Return R_b of two layers over a backing, eq. (5), and the carries of both."""
+    base, complement, (beneath, lost, under, over, _) = over_backing(bottom, backing)
+    R, T, U, _, Q = top
     V = U + R * complement
     share = 1 / (V * Q)
     body = (R * V + T * T * base) * share
     through = T * Q * share
     first = (base, complement, Q * share, V * share, 1.0)
-    return body, first, (backing, lost, under, over, through)
+    return body, first, (beneath, lost, under, over, through)
 
 
 @inlined

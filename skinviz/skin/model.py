@@ -126,16 +126,13 @@ class SkinModel:
             ]
         )
 
-    def _constants(self, surface: Interface) -> tuple[float, ...]:
-        """Return what ``evaluate`` needs once, seen through a surface."""
+    def _constants(self, surface: Interface | None) -> tuple[float, ...]:
+        """Return what ``evaluate`` needs once; with no surface it gives R_b."""
+        surface = surface or BARE
         return (
             *(*self.thickness, self.hypodermis),
             *(surface.offset, surface.transmission, surface.internal),
         )
-
-    def _of_body(self, values: Array) -> Array:
-        """Return values without what belongs to the surface."""
-        return values
 
     @cached_property
     def interface(self) -> Interface:
@@ -185,7 +182,7 @@ class SkinModel:
             If a parameter is outside its bounds or not finite, or a wavelength
             lies outside the table.
         """
-        return self._spectra(self._of_body(self.checked(values)), wavelengths, BARE)
+        return self._spectra(self.checked(values), wavelengths, None)
 
     def diffuse(self, values: ArrayLike, wavelengths: ArrayLike) -> Array:
         """Return the light that has been inside the skin and left it.
@@ -204,7 +201,9 @@ class SkinModel:
         """
         return self._spectra(self.checked(values), wavelengths, self.interface)
 
-    def arrays(self, wavelengths: ArrayLike, surface: Interface) -> tuple[Array, Array]:
+    def arrays(
+        self, wavelengths: ArrayLike, surface: Interface | None
+    ) -> tuple[Array, Array]:
         """Return table and constants for ``evaluate``, padded to whole vectors.
 
         The added bands repeat the last; loops over a multiple of ``VECTOR`` bands
@@ -229,7 +228,7 @@ class SkinModel:
         return curves, slopes
 
     def _spectra(
-        self, values: Array, wavelengths: ArrayLike, surface: Interface
+        self, values: Array, wavelengths: ArrayLike, surface: Interface | None
     ) -> Array:
         """Return spectra (..., n) of valid values (..., p) seen through a surface."""
         from skinviz.skin.kernels import spectra

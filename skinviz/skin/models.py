@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
+
 import numpy as np
 
 from skinviz._validate import one_of
 from skinviz.errors import ArgumentError
-from skinviz.skin.coefficients import body_sites, layer_thickness, load_coefficients
+from skinviz.skin.coefficients import (
+    Coefficients,
+    body_sites,
+    layer_thickness,
+    load_coefficients,
+)
+from skinviz.skin.cotton import Cotton
+from skinviz.skin.extended import Extended
+from skinviz.skin.lambert_beer import LambertBeer
 from skinviz.skin.model import SkinModel
 from skinviz.skin.two_layer import TwoLayer
 
-_MODELS = {TwoLayer.name: TwoLayer}
+_MODELS: dict[str, type[SkinModel]] = {
+    model.name: model for model in (TwoLayer, Cotton, LambertBeer, Extended)
+}
 
 
 def skin_models() -> tuple[str, ...]:
@@ -24,8 +37,9 @@ def skin_model(
     specular: str | float,
     site: str | None = None,
     thickness: tuple[float, float] | None = None,
-    coefficients: str = "effective",
+    coefficients: str | os.PathLike[str] | Coefficients = "effective",
     hypodermis: float = 1.0,
+    free: Sequence[str] | None = None,
 ) -> SkinModel:
     """Return a model of skin, ready to compute spectra or to be fitted.
 
@@ -41,10 +55,15 @@ def skin_model(
         Body site whose layer thickness (Table I) to use.
     thickness : (float, float), optional
         Thickness of epidermis and dermis instead. [mm]
-    coefficients : str
-        ``"effective"`` or ``"textbook"``.
+    coefficients : str, path-like or Coefficients
+        ``"effective"``, ``"textbook"``, or a table of your own: the path of a CSV, see
+        :func:`load_coefficients`.
     hypodermis : float
         Reflectance of the white backing under the dermis. [1], 0 to 1
+    free : sequence of str, optional
+        What the ``"extended"`` model leaves free besides the pigments, of
+        ``"scattering"``, ``"melanin_slope"``, ``"surface"`` and ``"epidermis"``; the
+        first three if not said.
 
     Returns
     -------
@@ -54,8 +73,10 @@ def skin_model(
     Raises
     ------
     ArgumentError
-        If a name is unknown, or not exactly one of ``site`` and ``thickness`` is
-        given.
+        If a name is unknown, not exactly one of ``site`` and ``thickness`` is
+        given, or ``free`` is given to another model.
+    DataError
+        If a coefficient table of your own cannot be read.
 
     Examples
     --------
@@ -70,7 +91,15 @@ def skin_model(
             + ", ".join(body_sites())
         )
     depths = layer_thickness(site) if site is not None else _two_depths(thickness)
-    return kind(depths, load_coefficients(coefficients), specular, hypodermis)
+    table = load_coefficients(coefficients)
+    if free is None:
+        return kind(depths, table, specular, hypodermis)
+    if kind is not Extended:
+        raise ArgumentError(
+            f"only the {Extended.name} model leaves more than the weights free; got "
+            f"free = {list(free)} for {name}"
+        )
+    return Extended(depths, table, specular, hypodermis, tuple(free))
 
 
 def _two_depths(thickness: object) -> tuple[float, float]:

@@ -17,13 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 from skinviz._validate import as_numbers, as_wavelengths
 from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import Coefficients
-from skinviz.skin.fit import REFUSED, fit_skin
+from skinviz.skin.fit import fit_skin
 from skinviz.skin.formulas import (
     EffectiveNumbers,
     effective_coefficients,
     effective_numbers,
 )
 from skinviz.skin.priors import NAMES, coordinate_bounds, literature
+from skinviz.skin.skin_fit import REFUSED
 from skinviz.skin.two_layer import TwoLayer
 
 if TYPE_CHECKING:

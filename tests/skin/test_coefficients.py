@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from tolerances import TABLE
 
-from skinviz import ArgumentError
+from skinviz import ArgumentError, DataError, skin_model
 from skinviz.skin.coefficients import (
     COEFFICIENT_SETS,
     body_sites,
@@ -114,3 +114,52 @@ def test_sites_are_the_archives_own_names():
 def test_unknown_site_lists_the_known():
     with pytest.raises(ArgumentError, match="cheek, back of hand, outer arm, inner"):
         layer_thickness("knee")
+
+
+HEADER = "wavelength_nm,K_m_mm1,K_h_mm1,K_dh_mm1,S_e_mm1,S_d_mm1\n"
+
+
+def test_a_table_of_ones_own_is_read_and_used(tmp_path):
+    at = load_coefficients("textbook")
+    columns = (at.melanin, at.oxyhaemoglobin, at.deoxyhaemoglobin, at.epidermis)
+    rows = zip(at.wavelengths, *columns, at.dermis, strict=True)
+    file = tmp_path / "mine.csv"
+    lines = [",".join(repr(float(x)) for x in row) for row in rows]
+    file.write_text(HEADER + "\n".join(lines))
+    own = load_coefficients(file)
+    assert own.name == str(file)
+    assert_array_equal(own.dermis, at.dermis)
+    options = {"site": "cheek", "specular": "included"}
+    nm = np.arange(400.0, 701.0, 50.0)
+    expected = skin_model(coefficients="textbook", **options)
+    for given in (file, str(file), own):
+        skin = skin_model(coefficients=given, **options)
+        values = [0.1, 0.01, 0.005]
+        assert_array_equal(skin.measured(values, nm), expected.measured(values, nm))
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("nm,K\n500,1\n", "line 1: a coefficient table has the header wavelength_nm"),
+        (HEADER, "a header and no coefficients"),
+        (HEADER + "500,1,2,3,4\n", "line 2: 6 numbers from 0 to 1e.16"),
+        (HEADER + "500,1,2,-3,4,5\n", "line 2: 6 numbers from 0"),
+        (HEADER + "500,1,2,nan,4,5\n", "line 2: 6 numbers from 0"),
+        (HEADER + "500,1,2,x,4,5\n", "line 2: could not convert string to float: 'x'"),
+        (HEADER + "500,1,2,3,4,5\n500,1,2,3,4,5\n", "strictly ascending"),
+    ],
+)
+def test_a_broken_table_is_refused_by_line(tmp_path, content, message):
+    file = tmp_path / "mine.csv"
+    file.write_text(content)
+    with pytest.raises(DataError, match=message):
+        load_coefficients(file)
+
+
+def test_a_table_that_is_missing_or_no_text_is_refused(tmp_path):
+    with pytest.raises(DataError, match="no such file"):
+        load_coefficients(tmp_path / "none.csv")
+    (tmp_path / "bytes.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(DataError, match="not a text file"):
+        load_coefficients(tmp_path / "bytes.csv")

@@ -1,8 +1,9 @@
 """Models by name: exactly one of site and thickness, and clear refusals."""
 
+import numpy as np
 import pytest
 
-from skinviz import ArgumentError, skin_model, skin_models
+from skinviz import ArgumentError, fit_skin, skin_model, skin_models
 from skinviz.skin.coefficients import body_sites, layer_thickness
 
 
@@ -54,7 +55,7 @@ def test_thickness_must_be_two_depths(wrong):
     [
         ({"name": "two-layers"}, "did you mean 'two-layer'"),
         ({"site": "elbow"}, "unknown body site 'elbow'"),
-        ({"coefficients": "tuned"}, "unknown coefficient set 'tuned'"),
+        ({"coefficients": "tuned"}, "unknown coefficient set .or a .csv file. 'tuned'"),
         ({"specular": "sometimes"}, "choose one of: excluded, included"),
         ({"specular": 0.7}, "specular must be in"),
     ],
@@ -68,3 +69,25 @@ def test_unknown_names_are_refused(wrong, told):
 def test_a_model_cannot_be_changed():
     with pytest.raises(AttributeError):
         skin_model(site="cheek", specular="included").specular = "excluded"
+
+
+def test_only_the_extended_model_leaves_more_free():
+    options = {"site": "cheek", "specular": "included"}
+    with pytest.raises(ArgumentError, match="only the extended model leaves more"):
+        skin_model("cotton", free=("surface",), **options)
+    with pytest.raises(ArgumentError, match="unknown free parameter 'surf'"):
+        skin_model("extended", free=("surf",), **options)
+    with pytest.raises(ArgumentError, match="must be named once"):
+        skin_model("extended", free=("surface", "surface"), **options)
+
+
+def test_a_free_epidermis_makes_melanin_as_uncertain_as_its_thickness():
+    # Nearly only w_m D_e shows: what is not known of D_e is not known of w_m.
+    nm = np.arange(400.0, 701.0, 10.0)
+    skin = skin_model("extended", free=("epidermis",), site="cheek", specular=0.03)
+    spectrum = skin.measured([0.1, 0.01, 0.005, 1.0], nm)
+    fit = fit_skin(spectrum, nm, skin, uncertainty=np.full(31, 0.02))
+    relative = np.sqrt(fit.covariance[0, 0]) / fit.values[0]
+    spread = skin.parameters[3].spread
+    assert 0.8 * spread < relative <= 1.05 * spread
+    assert ("w_m", "epidermis") in fit.indistinct()
