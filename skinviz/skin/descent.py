@@ -30,8 +30,8 @@ class Room(NamedTuple):
 
     curvature: Array  # (p, p)
     factor: Array  # (p, p)
-    scale: Array  # (p,)
     right: Array  # (p,)
+    known: Array  # (p,)
     free: NDArray[np.int64]  # (p,)
     fixed: NDArray[np.bool_]  # (p,)
 
@@ -186,31 +186,29 @@ def _solve_free(
 ) -> bool:
     """Write the step of parameters that are not fixed; say whether it is downhill.
 
-    The matrix is scaled to a unit diagonal, which makes the step independent of the
-    parameters' units. Fixed ones keep their own steps.
+    The damping is a share of the matrix's diagonal, so that the step does not depend
+    on the parameters' units. Fixed ones keep their own steps.
     """
     p, k = move.size, 0
     for a in range(p):
         if not room.fixed[a]:
             move[a] = 0.0
             room.free[k] = a
-            room.scale[k] = 1 / np.sqrt(normal[a, a]) if normal[a, a] > 0 else 1.0
             k += 1
     for i in range(k):
         a = room.free[i]
         room.right[i] = -gradient[a]
         for b in range(p):
             room.right[i] -= room.curvature[a, b] * move[b]
-        room.right[i] *= room.scale[i]
         for j in range(i + 1):
-            size = room.scale[i] * room.scale[j]
-            room.factor[i, j] = room.curvature[a, room.free[j]] * size
-        room.factor[i, i] += damping
+            room.factor[i, j] = room.curvature[a, room.free[j]]
+        own = normal[a, a] if normal[a, a] > 0 else 1.0  # 1: any step, as good as none
+        room.factor[i, i] += damping * own
     if not factorise(room.factor, k, 0.0):
         return False
     substitute(room.factor, k, room.right)
     for i in range(k):
-        move[room.free[i]] = room.right[i] * room.scale[i]
+        move[room.free[i]] = room.right[i]
     return True
 
 
@@ -227,7 +225,7 @@ def learn_bend(
 ) -> None:
     """Update the secant estimate of Σ r ∇²r after a step, sized as in [1]_."""
     p = move.size
-    change, known = room.right, room.scale
+    change, known = room.right, room.known
     along, own, taught, pull2, step2 = 0.0, 0.0, 0.0, 0.0, 0.0
     for a in range(p):
         total = 0.0

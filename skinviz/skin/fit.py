@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 _STATUSES = np.array(STATUSES)
 _COVERED = (400.0, 700.0)  # nm that the data must span
-_SAMPLED = 12  # bands that tell one start from another
+_SAMPLED = 8  # bands that tell one start from another
 _CHUNK = 2048  # spectra that a thread solves in one go, which bounds the memory
 
 
@@ -148,7 +148,7 @@ def _problem(model: SkinModel, bands: Array) -> Problem:
         curves=curves,
         slopes=slopes,
         sampled=sampled,
-        sketch=np.ascontiguousarray(curves[:, sampled].T),
+        sketch=np.array(curves[:, sampled].T, dtype=np.float32, order="C"),
         observer=observer,
     )
 

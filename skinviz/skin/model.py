@@ -154,9 +154,9 @@ class SkinModel:
     @cached_property
     def starts(self) -> Array:
         """Parameter sets (k, p) that span human skin, for a fit to start from."""
-        epidermis = self.thickness[0]
-        # Only w_m times the thickness shows.
-        thin = _USUAL_EPIDERMIS / epidermis if 0 < epidermis < np.inf else 1.0
+        # Only w_m times the thickness shows, as long as light crosses it.
+        crossed = min(max(self.thickness[0], _USUAL_EPIDERMIS / 10), 1.0)
+        thin = _USUAL_EPIDERMIS / crossed
         return np.array(
             [(m * thin, b * s, b * (1 - s)) for m, b, s in product(*_USUAL_WEIGHTS)]
         )

@@ -36,7 +36,7 @@ class Problem(NamedTuple):
         The model and its Jacobian there.
     sampled : (k,) ndarray of int64
         A few bands by which the starts are told apart.
-    sketch : (k, s) ndarray
+    sketch : (k, s) ndarray of float32
         The curves there.
     observer : (3, N) ndarray
         Weights from a spectrum to XYZ.
@@ -52,7 +52,7 @@ class Problem(NamedTuple):
     curves: Array
     slopes: Array
     sampled: NDArray[np.int64]
-    sketch: Array
+    sketch: NDArray[np.float32]
     observer: Array
 
 
@@ -116,7 +116,8 @@ PROBLEM = types.NamedTuple(
         *2 * (MATRIX,),
         _CUBE,
         types.int64[::1],
-        *2 * (MATRIX,),
+        types.float32[:, ::1],
+        MATRIX,
     ),
     Problem,
 )

@@ -19,7 +19,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from skinviz._compile import called, compiled, summing
+from skinviz._compile import called, comparing, compiled, summing
 from skinviz.skin.descent import (
     Room,
     differentiate,
@@ -46,7 +46,7 @@ Array = NDArray[np.float64]
 
 _MOST_STEPS = 100
 _MOST_STARTS = 4
-_SETTLED = 1e-8  # share of the cost that the model still promises to gain
+_SETTLED = 1e-7  # share of the cost that the model still promises to gain
 _EXACT = 1e-13  # RMS residual below which the data are met
 _MET = 1e-7  # the same for a start that can go no further; measurements have 1e-4
 _FIRST_DAMPING, _LEAST_DAMPING, _MOST_DAMPING = 1e-4, 1e-14, 1e12
@@ -69,7 +69,7 @@ class _Work(NamedTuple):
     held: NDArray[np.bool_]  # (p,)
     room: Room
     stiffness: Array  # (p,)
-    ranking: Array  # (s,)
+    ranking: NDArray[np.float32]  # (s,)
     scratch: Array  # (SCRATCH, N)
 
 
@@ -90,7 +90,7 @@ def _new_work(p: int, n: int, n_starts: int) -> Any:
         np.zeros(p, np.bool_),
         new_room(p),
         np.zeros(p),
-        np.zeros(n_starts),
+        np.zeros(n_starts, np.float32),
         np.zeros((SCRATCH, n)),
     )
 
@@ -124,16 +124,27 @@ def _rank_starts(problem: Any, target: Any, weight: Any, ranking: Any) -> None:
         ranking[s] = 0.0
     for k in range(problem.sampled.size):
         j = problem.sampled[k]
-        w, t = weight[j], 2 * target[j]
+        w, t = np.float32(weight[j]), np.float32(2 * target[j])
         for s in range(ranking.size):
             curve = problem.sketch[k, s]
             ranking[s] += w * curve * (curve - t)
 
 
+@comparing
+def _smallest(values: Any) -> float:
+    """Return the least of some values, none of them NaN."""
+    least = values[0]
+    for s in range(values.size):
+        least = values[s] if values[s] < least else least
+    return least
+
+
 @called
 def _start(problem: Any, work: Any) -> float:
     """Make the best start that is left the first state; return the weights' sum."""
-    first = np.argmin(work.ranking)
+    least, first = _smallest(work.ranking), 0
+    while work.ranking[first] != least:
+        first += 1
     work.ranking[first] = np.inf
     weights = 0.0
     for j in range(work.target.size):

@@ -27,10 +27,16 @@ def spectra(n=6):
     return MODEL.measured(np.resize(weights, (n, 3)), NM)
 
 
+def assert_same_values(actual, expected):
+    """Two fits' estimates, alike to a hundredth of how sure they are."""
+    deviation = np.sqrt(np.einsum("...pp->...p", expected.covariance))
+    assert (np.abs(actual.values - expected.values) <= 0.01 * deviation + 1e-9).all()
+
+
 def assert_same_fit(actual, expected):
     """Two fits of the same data, alike to what the solver settles to."""
     assert_array_equal(actual.status, expected.status)
-    assert_allclose(actual.values, expected.values, rtol=1e-6, atol=1e-9)
+    assert_same_values(actual, expected)
     assert_allclose(actual.sse, expected.sse, rtol=SAME_OPTIMUM, atol=1e-20)
 
 
@@ -189,7 +195,8 @@ def test_a_missing_band_is_the_same_as_one_not_measured():
     left_out = fit_skin(np.delete(noisy, 10, axis=1), np.delete(NM, 10), MODEL)
     masked = fit_skin(holes, NM, MODEL)
     assert_same_fit(masked, left_out)
-    assert_allclose(masked.interval, left_out.interval, rtol=1e-5, atol=1e-9)
+    width = np.ptp(left_out.interval, axis=-1, keepdims=True)
+    assert (np.abs(masked.interval - left_out.interval) <= 0.01 * width).all()
 
 
 def refused_rows():

@@ -50,7 +50,7 @@ def problem(evaluate, table, low, high, starts, priors=None):
         curves=curves,
         slopes=slopes,
         sampled=np.arange(n),
-        sketch=np.ascontiguousarray(curves.T),
+        sketch=np.array(curves.T, dtype=np.float32, order="C"),
         observer=np.zeros((3, n)),
     )
 
@@ -84,7 +84,7 @@ def test_linear_problems_reach_the_bounded_optimum():
         best = lsq_linear((a / s).T, (y - SHIFT) / s, (0, 1), method="bvls")
         cost = (((x @ a + SHIFT - y) / s) ** 2).sum() / 2
         assert cost <= best.cost * (1 + SAME_OPTIMUM)
-        assert_allclose(x, best.x, rtol=0, atol=1e-4)
+        assert_allclose(x, best.x, rtol=0, atol=1e-3)
     assert held.any(axis=1).any()
     assert (~held).all(axis=1).any()
 
@@ -98,7 +98,7 @@ def test_priors_are_measurements_of_the_parameters():
         matrix = np.concatenate([a.T, root])
         right = np.concatenate([y - SHIFT, root @ centre])
         best = lsq_linear(matrix, right, (0, 1), method="bvls")
-        assert_allclose(x, best.x, rtol=0, atol=1e-4)
+        assert_allclose(x, best.x, rtol=0, atol=1e-3)
 
 
 def test_held_parameters_lie_on_a_bound_that_pushes_back():
@@ -110,7 +110,7 @@ def test_held_parameters_lie_on_a_bound_that_pushes_back():
     assert (gradient[held & (values == 0)] >= 0).all()
     assert (gradient[held & (values == 1)] <= 0).all()
     sizes = np.sqrt((A**2).sum(axis=2) * (residual**2).sum(axis=1)[:, None])
-    assert (np.abs(gradient) / sizes)[~held].max() < 1e-3
+    assert (np.abs(gradient) / sizes)[~held].max() < 2e-3
 
 
 def test_missing_bands_are_not_seen():
