@@ -23,18 +23,13 @@ def inlined(function: Callable[..., Any]) -> Any:
     return numba.njit(forceinline=True, **_OPTIONS)(function)
 
 
-def called(function: Callable[..., Any]) -> Any:
-    """Compile a function for others that call it, and are kept on disk with it."""
-    return numba.njit(**_OPTIONS)(function)
-
-
 def summing(function: Callable[..., Any]) -> Any:
-    """Compile as :func:`called`, with sums in whatever order vectorises."""
+    """Compile for others to call, with sums in whatever order vectorises."""
     return _freely(function, "reassoc")
 
 
 def comparing(function: Callable[..., Any]) -> Any:
-    """Compile as :func:`called`, as if no value were NaN, so that minima vectorise."""
+    """Compile for others to call, as if no value were NaN, so that minima vectorise."""
     return _freely(function, "nnan")
 
 
@@ -66,8 +61,8 @@ def compiled(signature: Any = None) -> Callable[[Callable[..., Any]], Any]:
 
 @cache
 def _folder_stamp(folder: Path) -> str:
-    """Return a mark of the Python sources in a folder."""
+    """Return a mark of the Python sources in a folder, and of how they are compiled."""
     digest = hashlib.sha1(usedforsecurity=False)
-    for file in sorted(folder.glob("*.py")):
+    for file in (Path(__file__), *sorted(folder.glob("*.py"))):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:12]

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from skinviz._compile import called
+from skinviz._compile import inlined
 
 
-@called
+@inlined
 def factorise(L: Any, k: int, least: float) -> bool:
     """Replace the leading k × k lower triangle of a matrix by its Cholesky factor.
 
@@ -28,7 +28,7 @@ def factorise(L: Any, k: int, least: float) -> bool:
     return True
 
 
-@called
+@inlined
 def substitute(L: Any, k: int, y: Any) -> None:
     """Replace a right side (k,) by the solution, the matrix factorised."""
     for a in range(k):

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._compile import called, summing
+from skinviz._compile import inlined, summing
 from skinviz.skin.cholesky import factorise, substitute
 
 Array = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Room(NamedTuple):
     fixed: NDArray[np.bool_]  # (p,)
 
 
-@called
+@inlined
 def new_room(p: int) -> Any:
     """Return memory for steps of p parameters."""
     return Room(
@@ -85,7 +85,7 @@ def differentiate(
     return cost
 
 
-@called
+@inlined
 def hold(x: Any, gradient: Any, low: Any, high: Any, held: Any) -> None:
     """Mark the parameters at a bound that descent would push through it."""
     for a in range(x.size):
@@ -93,7 +93,7 @@ def hold(x: Any, gradient: Any, low: Any, high: Any, held: Any) -> None:
         held[a] = down or (x[a] >= high[a] and gradient[a] <= 0)
 
 
-@called
+@inlined
 def is_level(gradient: Any, normal: Any, held: Any, cost: float) -> bool:
     """Return whether the residuals are orthogonal to all that free parameters do."""
     for a in range(held.size):
@@ -103,7 +103,7 @@ def is_level(gradient: Any, normal: Any, held: Any, cost: float) -> bool:
     return True
 
 
-@called
+@inlined
 def take(x: Any, move: Any, low: Any, high: Any, new: Any) -> bool:
     """Write where a step leads, to the bounds exactly; say whether that is new."""
     moved = False
@@ -114,7 +114,7 @@ def take(x: Any, move: Any, low: Any, high: Any, new: Any) -> bool:
     return moved
 
 
-@called
+@inlined
 def step(
     x: Any,
     gradient: Any,
@@ -150,7 +150,7 @@ def step(
     return _promise(gradient, room.curvature, move)
 
 
-@called
+@inlined
 def _add(normal: Any, bend: Any, share: float, curvature: Any) -> None:
     """Write the matrix and a share of what was learnt that it leaves out."""
     for a in range(curvature.shape[0]):
@@ -158,7 +158,7 @@ def _add(normal: Any, bend: Any, share: float, curvature: Any) -> None:
             curvature[a, b] = normal[a, b] + share * bend[a, b]
 
 
-@called
+@inlined
 def _promise(gradient: Any, curvature: Any, move: Any) -> float:
     """Return the cost that a step gains by the quadratic model."""
     gain = 0.0
@@ -169,7 +169,7 @@ def _promise(gradient: Any, curvature: Any, move: Any) -> float:
     return gain
 
 
-@called
+@inlined
 def _first_crossing(x: Any, move: Any, low: Any, high: Any, fixed: Any) -> int:
     """Return the parameter that a step takes over its bound soonest, −1 if none."""
     nearest, share = -1, 1.0
@@ -180,7 +180,7 @@ def _first_crossing(x: Any, move: Any, low: Any, high: Any, fixed: Any) -> int:
     return nearest
 
 
-@called
+@inlined
 def _solve_free(
     gradient: Any, normal: Any, damping: float, room: Any, move: Any
 ) -> bool:

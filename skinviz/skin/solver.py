@@ -19,7 +19,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from skinviz._compile import called, comparing, compiled, summing
+from skinviz._compile import comparing, compiled, inlined, summing
 from skinviz.skin.descent import (
     Room,
     differentiate,
@@ -73,7 +73,7 @@ class _Work(NamedTuple):
     scratch: Array  # (SCRATCH, N)
 
 
-@called
+@inlined
 def _new_work(p: int, n: int, n_starts: int) -> Any:
     """Return the memory of one thread."""
     return _Work(
@@ -95,7 +95,7 @@ def _new_work(p: int, n: int, n_starts: int) -> Any:
     )
 
 
-@called
+@inlined
 def _load(row: Any, sigma: Any, known: bool, target: Any, weight: Any) -> Any:
     """Copy data and weights; return σ² of weight 1 and the bands used, 0 if refused."""
     smallest = np.inf
@@ -139,7 +139,7 @@ def _smallest(values: Any) -> float:
     return least
 
 
-@called
+@inlined
 def _start(problem: Any, work: Any) -> float:
     """Make the best start that is left the first state; return the weights' sum."""
     least, first = _smallest(work.ranking), 0
@@ -159,7 +159,7 @@ def _start(problem: Any, work: Any) -> float:
     return weights
 
 
-@called
+@inlined
 def _descend(evaluate: Any, problem: Any, work: Any) -> Any:
     """Descend from the best start that is left; return state, cost, converged."""
     weights, now = _start(problem, work), 0
@@ -212,7 +212,7 @@ def _descend(evaluate: Any, problem: Any, work: Any) -> Any:
     return now, cost, level or cost <= _MET**2 * weights
 
 
-@called
+@inlined
 def _differentiate_state(state: int, problem: Any, work: Any) -> float:
     """Fill in residual, gradient and matrix of a state; return its cost."""
     return differentiate(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._compile import called, compiled
+from skinviz._compile import compiled, inlined
 from skinviz.skin.cholesky import factorise, substitute
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ def _invert(
                 covariance[i, free[a], free[c]] = column[a] / size
 
 
-@called
+@inlined
 def _factorise_free(M: Any, held: Any, scale: Any, free: Any, L: Any) -> int:
     """Factorise over the k parameters not held; return k, −1 if near singular."""
     k = 0
@@ -123,7 +123,7 @@ def _factorise_free(M: Any, held: Any, scale: Any, free: Any, L: Any) -> int:
     return k if factorise(L, k, _POOR) else -1
 
 
-@called
+@inlined
 def _unexplained(
     M: Any, held: int, free: Any, k: int, scale: Any, L: Any, column: Any
 ) -> float:
