@@ -13,12 +13,17 @@ from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
 NM = PAPER_WAVELENGTHS
 NOISE = 1e-3  # of one band of a real spectrometer
 HARD = {
-    "dark": ((0.4, 0.0, 0.0), (2.0, 0.05, 0.05), 2e-3),
+    "dark": ((0.3, 0.0, 0.0), (0.8, 0.05, 0.05), 2e-3),
+    "black": ((0.8, 0.0, 0.0), (2.0, 0.05, 0.05), 2e-3),
     "bloodless": ((0.02, 0.0, 0.0), (0.5, 3e-4, 3e-4), 2e-3),
     "pale": ((0.0, 0.0, 0.0), (0.02, 0.02, 0.02), 2e-3),
     "noisy": ((0.0, 0.0, 0.0), (0.5, 0.03, 0.03), 3e-2),
 }
-"""Weights from and to, and the noise of a band, of spectra that are hard to fit."""
+"""Weights from and to, and the noise of a band, of spectra that are hard to fit.
+
+Black is darker than people are: the noise exceeds what melanin lets through. Where
+little is known, as there and in the noisy ones, there are several minima.
+"""
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ PARTS = {
 
 def turns(size: float) -> int:
     """Return how often each rival runs."""
-    return 7 if size >= 1 else 2
+    return 5 if size >= 1 else 2
 
 
 def main() -> None:
