@@ -1,13 +1,12 @@
 """Measure the main job: accuracy beside time, for docs/physics.md.
 
-Run in the development environment: ``python scripts/benchmarks/main_job.py``.
+Colour and mesh; the skin's optics and the fit are measured by ``skin_fit.py``. Run in the development environment: ``python scripts/benchmarks/main_job.py``.
 """
 
 import platform
 import time
 import warnings
 
-import mpmath as mp
 import numpy as np
 import pyvista as pv
 from scipy.spatial import cKDTree
@@ -16,14 +15,9 @@ from skinviz.scan import topology
 from skinviz.scan.clean import clean_scan
 from skinviz.scan.formats import read_mesh, read_scan
 from skinviz.scan.shipped import DEMO_SCAN, TRUE_SHAPE, shipped_mesh
-from skinviz.skin.fit import fit_skin
-from skinviz.skin.kubelka_munk import kubelka_munk_layer
 from skinviz.skin.models import skin_model
-from skinviz.spectra.archives import load_archive
 from skinviz.spectra.colorimetry import delta_e_2000, spectrum_to_xyz, xyz_to_lab
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
-
-SITES = ("cheek", "back of hand", "outer arm", "inner arm")
 
 
 def main() -> None:
@@ -32,48 +26,8 @@ def main() -> None:
         f"{platform.processor() or platform.machine()}, Python "
         f"{platform.python_version()}, NumPy {np.__version__}"
     )
-    optics(np.random.default_rng(1))
-    fits()
     colour()
     mesh()
-
-
-def optics(rng: np.random.Generator, n: int = 4000) -> None:
-    """Compare the layer with 60 digits, over the declared range."""
-    mp.mp.dps = 150  # so that 60 digits are right after the hyperbolic form cancels
-    K, S, D = (_declared(rng, n) for _ in range(3))
-    R, T = kubelka_munk_layer(K, S, D)
-    worst_r = worst_t = 0.0
-    for k, s, d, r, t in zip(K, S, D, R, T, strict=True):
-        true_r, true_t = _layer(k, s, d)
-        worst_r = max(worst_r, _relative(r, true_r))
-        if true_t >= mp.mpf("2.3e-308"):
-            worst_t = max(worst_t, _relative(t, true_t))
-    print(f"layer against mpmath, {n} points: R {worst_r:.1e}, T {worst_t:.1e}")
-
-
-def fits() -> None:
-    """Print the quality of the three-weight fit on the archive, and its speed."""
-    archive = load_archive("issa")
-    total, seconds = [], 0.0
-    for site in SITES:
-        spectra = archive.reflectance.values[(archive.site == site).values]
-        model = skin_model(site=site, specular="included")
-        start = time.perf_counter()
-        fit = fit_skin(spectra, archive.wavelength.values, model)
-        seconds += time.perf_counter() - start
-        whole = fit.n_bands == 31
-        total.append(fit.sse[whole] * 61 / 31)
-        counts = dict(zip(*np.unique(fit.status, return_counts=True), strict=True))
-        print(
-            f"fit, {site}: mean SSE x 61/31 {total[-1].mean():.4f}, "
-            f"{ {str(k): int(v) for k, v in counts.items()} }"
-        )
-    pooled = np.concatenate(total)
-    print(
-        f"fit, pooled: {pooled.mean():.4f} on {pooled.size}; "
-        f"{pooled.size / seconds:.0f} spectra/s"
-    )
 
 
 def colour() -> None:
@@ -148,26 +102,6 @@ def _distance(points: np.ndarray, surface: pv.PolyData) -> np.ndarray:
     return np.asarray(
         pv.PolyData(points).compute_implicit_distance(bare)["implicit_distance"]
     )
-
-
-def _declared(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Return values over the declared range, log-uniform with zeros among them."""
-    return np.where(rng.random(n) < 0.1, 0.0, 10 ** rng.uniform(-16, 16, n))
-
-
-def _layer(K: float, S: float, D: float) -> tuple[mp.mpf, mp.mpf]:
-    """Return R and T of eq. (3), its misprint mended, in mpmath."""
-    K, S, D = (mp.mpf(float(x)) for x in (K, S, D))
-    kappa = mp.sqrt(K * (K + 2 * S))
-    sinh = mp.sinh(kappa * D) / kappa if kappa else D
-    q = (K + S) * sinh + mp.cosh(kappa * D)
-    return S * sinh / q, 1 / q
-
-
-def _relative(value: float, true: mp.mpf) -> float:
-    """Return the relative error, absolute where the truth is 0."""
-    gap = abs(mp.mpf(float(value)) - true)
-    return float(gap / abs(true)) if true else float(gap)
 
 
 if __name__ == "__main__":

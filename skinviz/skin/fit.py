@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 _STATUSES = np.array(STATUSES)
 _COVERED = (400.0, 700.0)  # nm that the data must span
 _SAMPLED = 8  # bands that tell one start from another
+_SIGMAS = (1e-75, 1e75)  # whose squares, and the quotients of these, are normal floats
 _CHUNK = 2048  # spectra that a thread solves in one go, which bounds the memory
 
 
@@ -62,7 +63,8 @@ def fit_skin(
     Raises
     ------
     ArgumentError
-        If shapes or wavelengths are wrong, or an uncertainty is not positive.
+        If shapes or wavelengths are wrong, or an uncertainty is not positive or not
+        within 1e-75 to 1e75.
 
     Examples
     --------
@@ -114,8 +116,12 @@ def _sigma(uncertainty: ArrayLike | None, shape: tuple[int, ...]) -> Array:
     if uncertainty is None:
         return np.zeros((0, shape[-1]))
     sigma = as_spectra(uncertainty, shape[-1], "uncertainty")
-    if not (sigma > 0).all():
-        raise ArgumentError("uncertainty must be greater than 0 in every band")
+    low, high = _SIGMAS
+    if not ((sigma >= low) & (sigma <= high)).all():
+        raise ArgumentError(
+            f"uncertainty must be greater than 0 in every band, from {low:g} to "
+            f"{high:g}; got {sigma.min():g} to {sigma.max():g}"
+        )
     if sigma.ndim == 1:
         return sigma[None]
     try:
