@@ -165,7 +165,7 @@ def _fit(
         sigma = None if uncertainty is None else np.full(bands.size, uncertainty)
         fits = []
         for model in models:
-            begin(f"fit {model.name}")
+            begin(f"fit {model.name}" + (f", {file.name}" if len(spectra) > 1 else ""))
             advance = begin.counting(count(own))
             try:
                 fits.append(
@@ -212,12 +212,10 @@ def _write(out: Path, run: Sequence[Fitted], site: str | None) -> Path:
 
 def _title(run: Sequence[Fitted]) -> str:
     """Return what a figure shows."""
-    names = ", ".join(fit.model.name for fit in run[0].fits)
-    model = run[0].fits[0].model
-    return (
-        f"{names} model{'s' if len(run[0].fits) > 1 else ''}, "
-        f"{model.coefficients.name} coefficients"
-    )
+    models = [fit.model for fit in run[0].fits]
+    names = ", ".join(model.name for model in models)
+    table = Path(models[0].coefficients.name).name
+    return f"{names} model{'s' if len(models) > 1 else ''}, {table} coefficients"
 
 
 def _caption(run: Sequence[Fitted]) -> str:

@@ -29,6 +29,8 @@ _NAMES = {
     **_ERRORS,
 }
 _DECIMALS = {"SO2": 2, "dE00": 2, "BIC": 1}
+_BLOOD = {"w_h", "w_dh"}
+_MOST_PAIRS = 3  # said of what cannot be told apart
 _SCALED = "SSE61: sum of squares scaled to 61 bands"
 
 
@@ -49,15 +51,16 @@ def fit_lines(run: Sequence[Fitted], *, every: bool) -> Iterator[str]:
         yield from table("spectrum", labels, columns)
         yield f"second line: 95 % interval; {_SCALED}"
     for k, fit in enumerate(run[0].fits):
-        start = f"{fit.model.name}: " if several else ""
-        for line in _warnings([item.fits[k] for item in run]):
-            yield start + line
+        if said := _indistinct([item.fits[k] for item in run]):
+            yield (f"{fit.model.name}: " if several else "") + said
+    if any((fit.status == REFUSED).any() for item in run for fit in item.fits):
+        yield f"{REFUSED}: {WHY_REFUSED}"
 
 
 def summary(run: Sequence[Fitted]) -> dict[str, Any]:
     """Return counts and quantiles of each model, as data for JSON."""
     least = _least_bic(run)
-    found = {}
+    found: dict[str, dict[str, Any]] = {}
     for k, fit in enumerate(run[0].fits):
         fits = [item.fits[k] for item in run]
         quantiles = {
@@ -68,9 +71,10 @@ def summary(run: Sequence[Fitted]) -> dict[str, Any]:
         found[fit.model.name] = {
             "spectra": sum(fit.status.size for fit in fits),
             "status": _counts(fits),
-            "least_bic": int((least == k).sum()),
             "quantiles": {"of": list(QUANTILES), **quantiles},
         }
+        if len(run[0].fits) > 1:
+            found[fit.model.name]["least_bic"] = int((least == k).sum())
     return found
 
 
@@ -78,7 +82,7 @@ def _summaries(run: Sequence[Fitted]) -> Iterator[str]:
     """Yield counts and quantiles, model by model."""
     for name, facts in summary(run).items():
         counts = ", ".join(f"{n} {status}" for status, n in facts["status"].items())
-        best = f"; least BIC in {facts['least_bic']}" if len(run[0].fits) > 1 else ""
+        best = f"; least BIC in {facts['least_bic']}" if "least_bic" in facts else ""
         yield f"{name}, {facts['spectra']} spectra: {counts}{best}"
         known = {
             _NAMES.get(key, key): values
@@ -95,32 +99,47 @@ def _summaries(run: Sequence[Fitted]) -> Iterator[str]:
 
 
 def _comparisons(item: Fitted) -> Iterator[str]:
-    """Yield a table for each spectrum of a file, a row a model."""
-    names = [fit.model.name for fit in item.fits]
+    """Yield tables for each spectrum of a file, a row a model."""
+    fits = item.fits
+    names = [fit.model.name for fit in fits]
     numbers = [
-        {key: values.ravel() for key, values in derived(fit).items()}
-        for fit in item.fits
+        {key: values.ravel() for key, values in derived(fit).items()} for fit in fits
     ]
-    bic = np.stack([own["bic"] for own in numbers])
-    best = _least(bic)
-    weights = dict.fromkeys(name for fit in item.fits for name in fit.parameters)
+    best = _least(np.stack([own["bic"] for own in numbers]))
+    shared, further = _parameters(fits)
     for i, label in enumerate(item.labels):
         columns = [
             Column(name, [_number(own[key][i], name) for own in numbers])
             for key, name in _ERRORS.items()
         ]
-        marks = ["*" if best[i] == k else " " for k in range(len(names))]
-        cells = [_number(own[i], "BIC") for own in bic]
-        columns += [
-            Column("BIC ", [a + b for a, b in zip(cells, marks, strict=True)]),
-            Column("status", [str(fit.status.ravel()[i]) for fit in item.fits]),
+        bic = [
+            _number(own["bic"][i], "BIC") + ("*" if best[i] == k else " ")
+            for k, own in enumerate(numbers)
         ]
-        for name in weights:
-            cells = [_number(_value(fit, name, i), name) for fit in item.fits]
-            columns.append(Column(name, cells))
+        status = [str(fit.status.ravel()[i]) for fit in fits]
+        columns += [Column("BIC ", bic), Column("status", status)]
         yield label
-        yield from table("model", names, columns)
+        yield from table("model", names, columns + _values(fits, shared, i))
+        having = [fit for fit in fits if set(further) & set(fit.parameters)]
+        if having:
+            own_names = [fit.model.name for fit in having]
+            yield from table("", own_names, _values(having, further, i))
         yield ""
+
+
+def _parameters(fits: Sequence[SkinFit]) -> tuple[list[str], list[str]]:
+    """Return the parameters that all models share, and those that some have."""
+    every = dict.fromkeys(name for fit in fits for name in fit.parameters)
+    shared = [name for name in every if all(name in fit.parameters for fit in fits)]
+    return shared, [name for name in every if name not in shared]
+
+
+def _values(fits: Sequence[SkinFit], names: Sequence[str], i: int) -> list[Column]:
+    """Return a column for each parameter of one spectrum, a row a model."""
+    return [
+        Column(name, [_number(_value(fit, name, i), name) for fit in fits])
+        for name in names
+    ]
 
 
 def _columns(fits: Sequence[SkinFit]) -> list[Column]:
@@ -146,37 +165,39 @@ def _columns(fits: Sequence[SkinFit]) -> list[Column]:
 def _with_interval(name: str, values: Array, ends: Array) -> Column:
     """Return a column of values (n,) with their intervals (n, 2) below them."""
     below = [
-        "" if np.isnan(low) else f"{_number(low, name)}-{_number(high, name)}"
+        "" if np.isnan(low) else f"{_number(low, name)}..{_number(high, name)}"
         for low, high in ends
     ]
     return Column(name, [_number(value, name) for value in values], below)
 
 
-def _warnings(fits: Sequence[SkinFit]) -> Iterator[str]:
-    """Yield what to heed: what cannot be told apart, and why some were refused."""
-    counts: dict[tuple[str, ...], list[int]] = {}
-    for fit in fits:
-        for key, (number, traded) in indistinct_counts(fit).items():
-            found = counts.setdefault(key, [0, 0])
-            found[0] += number
-            found[1] += number if traded else -number
+def _indistinct(fits: Sequence[SkinFit]) -> str:
+    """Return a line that says what cannot be told apart; empty if everything can."""
     size = sum(int((fit.status != REFUSED).sum()) for fit in fits)
+    found = sorted(_pairs(fits).items(), key=lambda pair: -pair[1][0])
     said = []
-    for key, (number, trades) in counts.items():
+    for key, (number, trades) in found[:_MOST_PAIRS]:
         share = f"in {number} of {size} spectra"
         if len(key) == 1:
             said.append(f"{key[0]} does not show at all {share}")
             continue
-        blood = set(key) == {"w_h", "w_dh"} and trades > 0
-        do = "quote their sum" if blood else "quote neither alone"
-        said.append(
-            f"{key[0]} and {key[1]} cannot be told apart {share} (correlation beyond "
-            f"{ALIKE:g}): {do}"
-        )
-    if said:
-        yield "; ".join(said)
-    if any((fit.status == REFUSED).any() for fit in fits):
-        yield f"{REFUSED}: {WHY_REFUSED}"
+        do = ", quote their sum" if set(key) == _BLOOD and trades > 0 else ""
+        said.append(f"{key[0]} and {key[1]} {share}{do}")
+    if len(found) > _MOST_PAIRS:
+        said.append(f"{len(found) - _MOST_PAIRS} more in fewer")
+    told = f"cannot be told apart (correlation beyond {ALIKE:g}): "
+    return told + "; ".join(said) if said else ""
+
+
+def _pairs(fits: Sequence[SkinFit]) -> dict[tuple[str, ...], list[int]]:
+    """Return how many spectra have each pair, and how many more trade than not."""
+    counts: dict[tuple[str, ...], list[int]] = {}
+    for fit in fits:
+        for key, (number, traded) in indistinct_counts(fit).items():
+            known = counts.setdefault(key, [0, 0])
+            known[0] += number
+            known[1] += number if traded else -number
+    return counts
 
 
 def _counts(fits: Sequence[SkinFit]) -> dict[str, int]:

@@ -146,7 +146,7 @@ def as_dataset(run: Sequence[Fitted], facts: dict[str, str]) -> xarray.Dataset:
         axes: Any = dict.fromkeys(("parameter", "other_parameter"), _parameters(fits))
         names = xarray.DataArray([fit.model.name for fit in fits], dims="model")
         table = xarray.concat(
-            [model.drop_vars(("unit", "meaning")).reindex(axes) for model in models],
+            [model.reindex(axes) for model in models],
             names.rename("model"),
             data_vars="all",
             coords="minimal",
@@ -195,7 +195,8 @@ def _columns(item: Fitted, fit: SkinFit, several: tuple[bool, bool]) -> dict[str
     columns |= {name: numbers[name].ravel() for name in shown}
     columns["n_bands"] = fit.n_bands.ravel()
     rest = [name for name in numbers if name not in shown]
-    return columns | {name: numbers[name].ravel() for name in rest}
+    columns |= {name: numbers[name].ravel() for name in rest}
+    return columns | {"chi_square": fit.chi_square.ravel()}
 
 
 def _labelled(item: Fitted, fit: SkinFit, *, curves: bool) -> xarray.Dataset:

@@ -170,7 +170,8 @@ def _draw_colours(axes: Axes, spectrum: FittedSpectrum) -> None:
     known = np.isfinite(xyz).all(axis=-1, keepdims=True)
     shown = np.where(known, encode_srgb(xyz_to_linear_srgb(np.nan_to_num(xyz))), 1.0)
     axes.imshow(shown[None], aspect="auto", extent=(0, len(names), 0, 1))
-    axes.set_xticks(np.arange(len(names)) + 0.5, names, fontsize=7)
+    size = 7 if len(names) < 5 else 6
+    axes.set_xticks(np.arange(len(names)) + 0.5, names, fontsize=size)
     axes.set_yticks([])
     axes.tick_params(length=0, pad=2)
 
