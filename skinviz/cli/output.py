@@ -64,6 +64,7 @@ class _Bar(Steps):
     def _end_parts(self) -> None:
         """Take the bar of the parts away."""
         if self._parts is not None:
+            self._bar.refresh()  # or a short step would end unseen
             self._bar.remove_task(self._parts)
             self._parts = None
 
