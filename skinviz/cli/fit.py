@@ -69,7 +69,7 @@ def fit(
     model
         Skin model. Give several, once each, to compare them by their BIC.
     coefficients
-        Coefficient set: effective or textbook.
+        Coefficient set: effective, textbook, or the .csv table of your own.
     scale
         fraction for reflectance 0-1, percent for 0-100, where the files do not say it.
     uncertainty
@@ -95,7 +95,8 @@ def fit(
     with progress_bar(steps) as begin:
         spectra = read_files(file, scale, specular, begin)
         require_kinds(spectra, out, plot, maps)
-        chosen = _models(model, spectra, site, thickness, coefficients)
+        tissue = {"site": site, "thickness": thickness, "coefficients": coefficients}
+        chosen = _models(model, spectra, **tissue)
         run = _fit(spectra, chosen, uncertainty, begin)
         files = []
         if out is not None:
@@ -118,26 +119,13 @@ def fit(
 
 
 def _models(
-    names: Sequence[str],
-    spectra: dict[Path, xarray.Dataset],
-    site: str | None,
-    thickness: tuple[float, float] | None,
-    coefficients: str,
+    names: Sequence[str], spectra: dict[Path, xarray.Dataset], **tissue: Any
 ) -> list[SkinModel]:
     """Return the models, built for what was measured."""
     from skinviz.skin.models import skin_model
 
     specular = next(iter(spectra.values())).attrs["specular"]
-    return [
-        skin_model(
-            name,
-            specular=specular,
-            site=site,
-            thickness=thickness,
-            coefficients=coefficients,
-        )
-        for name in names
-    ]
+    return [skin_model(name, specular=specular, **tissue) for name in names]
 
 
 def _fit(
