@@ -2,8 +2,7 @@
 
 ``python scripts/benchmarks/coefficients.py --docs docs`` prints the tables of
 ``docs/coefficients.md``, puts them into that page and draws its figure. Tables are
-tuned and cross-validated on NIST's people alone; ISSA is looked at once for each, to
-judge.
+tuned and cross-validated on NIST's people alone; ISSA served only to judge.
 """
 
 import argparse

@@ -2,42 +2,62 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from skinviz.cli.output import progress_bar, say, say_files, say_json, write_json
+from skinviz.cli.fit_inputs import (
+    MOST,
+    count,
+    is_cube,
+    read_files,
+    require_kinds,
+    require_outputs,
+)
+from skinviz.cli.output import (
+    Steps,
+    progress_bar,
+    say,
+    say_files,
+    say_json,
+    write_json,
+)
 
 if TYPE_CHECKING:
-    from skinviz.skin.skin_fit import SkinFit
+    import xarray
+
+    from skinviz.skin.fitted import Fitted
+    from skinviz.skin.model import SkinModel
 
 _PLOTTED = 4  # spectra in a plot: more would be too small to read
 
 
 def fit(
-    file: Path,
-    /,
-    *,
+    *file: Annotated[Path, Parameter(required=True)],
     site: str | None = None,
     thickness: tuple[float, float] | None = None,
     specular: str | None = None,
-    model: str = "two-layer",
+    model: tuple[str, ...] = ("two-layer",),
     coefficients: str = "effective",
-    scale: str = "fraction",
+    scale: str | None = None,
+    uncertainty: float | None = None,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"])] = None,
     plot: Path | None = None,
+    maps: Path | None = None,
+    all: bool = False,
     json: bool = False,
 ) -> None:
-    """Fit pigment weights to measured skin spectra.
+    """Fit pigment weights to measured skin spectra, or to a cube of them.
 
     Example: skinviz fit hand.csv --site "back of hand" --specular included -o fit.json
 
     Parameters
     ----------
     file
-        CSV file of reflectance, wavelengths down or across, spanning 400-700 nm.
+        Files of reflectance spanning 400-700 nm: .csv, .tsv, .spdx, .cgats, .txt, .nc,
+        or the .hdr of an ENVI cube. All of one run are fitted with the same models.
     site
         Body site whose layer thickness to use: cheek, back of hand, outer arm,
         inner arm.
@@ -45,132 +65,174 @@ def fit(
         Thickness of epidermis and dermis in mm, instead of a site.
     specular
         How the surface reflection was measured: excluded (45/0), included (sphere),
-        or a number. Needed unless the file states it.
+        or a number. Needed unless the files state it.
     model
-        Skin model.
+        Skin model. Give several, once each, to compare them by their BIC.
     coefficients
-        Coefficient set: effective or textbook.
+        Coefficient set: effective, textbook, or the .csv table of your own.
     scale
-        fraction for reflectance 0-1, percent for 0-100.
+        fraction for reflectance 0-1, percent for 0-100, where the files do not say it.
+    uncertainty
+        Standard deviation of a band, as reflectance 0-1. The intervals then follow
+        from it, not from the residuals.
     out
-        File to write: .json (which a scene can name) or .csv.
+        File to write: .json (which a scene can name), .csv (a row a spectrum), .nc
+        (all of it), or .hdr (maps of a cube as an ENVI file).
     plot
         Figure of the first spectra to write, up to four: .png, .svg or .pdf.
+    maps
+        Figure of a cube's maps to write: .png, .svg or .pdf.
+    all
+        Print every spectrum where a summary would be printed, of more than 40.
     json
-        Print the fit as JSON.
+        Print the fit as JSON; of more than 100,000 spectra a summary alone.
     """
-    from skinviz._validate import one_of
+    from skinviz.cli.fit_text import fit_lines, summary
+
+    require_outputs(file, out, plot, maps, model)
+    n_written = sum(path is not None for path in (out, plot, maps))
+    steps = len(file) * (1 + len(model)) + n_written
+    with progress_bar(steps) as begin:
+        spectra = read_files(file, scale, specular, begin)
+        require_kinds(spectra, out, plot, maps)
+        tissue = {"site": site, "thickness": thickness, "coefficients": coefficients}
+        chosen = _models(model, spectra, **tissue)
+        run = _fit(spectra, chosen, uncertainty, begin)
+        files = []
+        if out is not None:
+            begin(f"write {out.name}")
+            files.append(_write(out, run, site))
+        if plot is not None:
+            begin(f"draw {plot.name}")
+            files.append(_plot(plot, run))
+        if maps is not None:
+            begin(f"draw {maps.name}")
+            files.append(_map(maps, run))
+    if not json:
+        for line in fit_lines(run, every=all):
+            say(line)
+        say_files(files)
+        return
+    few = sum(item.fits[0].status.size for item in run) <= MOST[".json"]
+    told = _result(run, site) if few else {}
+    say_json({**told, "summary": summary(run), "files": [str(path) for path in files]})
+
+
+def _models(
+    names: Sequence[str], spectra: dict[Path, xarray.Dataset], **tissue: Any
+) -> list[SkinModel]:
+    """Return the models, built for what was measured."""
+    from skinviz.skin.models import skin_model
+
+    specular = next(iter(spectra.values())).attrs["specular"]
+    return [skin_model(name, specular=specular, **tissue) for name in names]
+
+
+def _fit(
+    spectra: dict[Path, xarray.Dataset],
+    models: Sequence[SkinModel],
+    uncertainty: float | None,
+    begin: Steps,
+) -> list[Fitted]:
+    """Return each file's spectra with what each model made of them."""
+    import numpy as np
+
     from skinviz.errors import ArgumentError, DataError
     from skinviz.skin.fit import fit_skin
-    from skinviz.skin.models import skin_model
-    from skinviz.skin.report import fit_to_dict
-    from skinviz.spectra.files import read_spectra
+    from skinviz.skin.fitted import GRID, Fitted
 
-    if out is not None:
-        one_of(out.suffix.lower(), (".json", ".csv"), "suffix of --out")
-    if plot is not None:
-        one_of(plot.suffix.lower(), (".png", ".svg", ".pdf"), "suffix of --plot")
-    files: list[Path] = []
-    with progress_bar(3) as begin:
-        begin("read")
-        spectra = read_spectra(file, scale=scale, specular=specular)
-        if "specular" not in spectra.attrs:
-            raise DataError(
-                f"{file} does not say how the surface reflection was measured; say "
-                "--specular excluded, included or a number"
-            )
-        chosen = skin_model(
-            model,
-            specular=spectra.attrs["specular"],
-            site=site,
-            thickness=thickness,
-            coefficients=coefficients,
+    if uncertainty is not None and not (0 < uncertainty < np.inf):
+        raise ArgumentError(
+            f"--uncertainty must be above 0, as reflectance 0-1; got {uncertainty:g}"
         )
-        begin("fit")
-        labels = [str(label) for label in spectra.label.values]
-        try:
-            found = fit_skin(
-                spectra.reflectance.values, spectra.wavelength.values, chosen
-            )
-        except ArgumentError as error:
-            raise DataError(f"{file}: {error}") from error
-        result = {"file": str(file), "site": site, **fit_to_dict(found, labels)}
-        begin("write")
-        if out is not None:
-            files.append(
-                write_json(out, result)
-                if out.suffix.lower() == ".json"
-                else _write_csv(out, result)
-            )
-        if plot is not None:
-            files.append(_write_plot(plot, spectra, found, labels))
-    if json:
-        say_json({**result, "files": [str(path) for path in files]})
-    else:
-        say(_table(found, labels))
-        say_files(files)
+    run = []
+    for file, own in spectra.items():
+        dims = GRID if is_cube(own) else ("record",)
+        data = own["reflectance"].transpose(*dims, "wavelength").values
+        bands = own["wavelength"].values
+        sigma = None if uncertainty is None else np.full(bands.size, uncertainty)
+        fits = []
+        for model in models:
+            begin(f"fit {model.name}" + (f", {file.name}" if len(spectra) > 1 else ""))
+            advance = begin.counting(count(own))
+            try:
+                fits.append(
+                    fit_skin(data, bands, model, uncertainty=sigma, advance=advance)
+                )
+            except ArgumentError as error:
+                raise DataError(f"{file}: {error}") from error
+        run.append(Fitted(str(file), _prefix(file, list(spectra)), own, tuple(fits)))
+    return run
 
 
-def _table(found: SkinFit, labels: list[str]) -> str:
-    """Return the fits as a table, one line a spectrum."""
-    from skinviz.skin.skin_fit import REFUSED, WHY_REFUSED
-
-    width = max(len("spectrum"), *(len(label) for label in labels))
-    names = "".join(f"{name:>26}" for name in found.parameters)
-    lines = [f"{'spectrum':<{width}}{names}     SSE   dE00  status"]
-    for i, label in enumerate(labels):
-        weights = "".join(
-            f"{value:9.4f} [{low:.4f}, {high:.4f}]"
-            for value, (low, high) in zip(
-                found.values[i], found.interval[i], strict=True
-            )
-        )
-        lines.append(
-            f"{label:<{width}}{weights} {found.sse[i]:7.4f} {found.delta_e[i]:6.2f}"
-            f"  {found.status[i]}"
-        )
-    if (found.status == REFUSED).any():
-        lines.append(f"{REFUSED}: {WHY_REFUSED}")
-    return "\n".join(lines)
+def _prefix(file: Path, files: Sequence[Path]) -> str:
+    """Return what stands before a file's labels where there are several files."""
+    if len(files) == 1:
+        return ""
+    stems = [other.stem for other in files]
+    return f"{file.stem if stems.count(file.stem) == 1 else file}/"
 
 
-def _write_csv(path: Path, result: dict[str, Any]) -> Path:
-    """Write the fits as CSV, one line a spectrum."""
-    from skinviz._files import whole_file
+def _result(run: Sequence[Fitted], site: str | None) -> dict[str, Any]:
+    """Return what a JSON file of the run holds."""
+    from skinviz.skin.fitted import as_data
 
-    with (
-        whole_file(path) as partial,
-        partial.open("w", newline="", encoding="utf-8") as text,
-    ):
-        rows = csv.writer(text, lineterminator="\n")
-        records = [_flat(entry) for entry in result["fits"]]
-        rows.writerow(records[0])
-        rows.writerows(record.values() for record in records)
-    return path
+    files = [item.file for item in run]
+    return {"file": files if len(files) > 1 else files[0], "site": site, **as_data(run)}
 
 
-def _flat(entry: dict[str, Any]) -> dict[str, Any]:
-    """Return a fit's data with one column a number; None becomes an empty cell."""
-    flat: dict[str, Any] = {}
-    for key, value in {**entry, **entry["parameters"]}.items():
-        if key == "parameters":
-            continue
-        if isinstance(value, dict):
-            flat |= {f"{key}_{side}": number for side, number in value.items()}
-        else:
-            flat[key] = value
-    return flat
+def _write(out: Path, run: Sequence[Fitted], site: str | None) -> Path:
+    """Write the fits in the format of the suffix."""
+    from skinviz.skin import fit_files
+
+    suffix = out.suffix.lower()
+    if suffix == ".json":
+        return write_json(out, _result(run, site))
+    if suffix == ".csv":
+        return fit_files.write_fit_rows(out, run)
+    if suffix == ".hdr":
+        return fit_files.write_fit_maps(out, run[0])
+    facts = {"source": ", ".join(item.file for item in run)}
+    return fit_files.write_fit_dataset(
+        out, run, facts if site is None else facts | {"site": site}
+    )
 
 
-def _write_plot(path: Path, spectra: Any, found: SkinFit, labels: list[str]) -> Path:
+def _title(run: Sequence[Fitted]) -> str:
+    """Return what a figure shows."""
+    models = [fit.model for fit in run[0].fits]
+    names = ", ".join(model.name for model in models)
+    table = Path(models[0].coefficients.name).name
+    return f"{names} model{'s' if len(models) > 1 else ''}, {table} coefficients"
+
+
+def _caption(run: Sequence[Fitted]) -> str:
+    """Return how the figure's spectra were measured and where they are from."""
+    sources = ", ".join(str(item.spectra.attrs["source"]) for item in run)
+    return f"specular {run[0].fits[0].model.specular}; {sources}"
+
+
+def _plot(path: Path, run: Sequence[Fitted]) -> Path:
     """Draw the first spectra with their fits and residuals."""
-    from skinviz.view.figures import Site, save_figure, sites_figure
+    from skinviz.view.figures import save_figure
+    from skinviz.view.fits_figure import FittedSpectrum, fits_figure
 
-    measured = spectra.reflectance.sel(wavelength=found.wavelengths).values
-    sites = [
-        Site(label, measured[i], found[i]) for i, label in enumerate(labels[:_PLOTTED])
+    shown = [
+        FittedSpectrum(label, measured, tuple(fit[i] for fit in item.fits))
+        for item in run
+        for i, (label, measured) in enumerate(
+            zip(item.labels, item.measured, strict=True)
+        )
     ]
-    described = found.model.description
-    title = f"{described['model']} model, {described['coefficients']} coefficients"
-    caption = f"specular {found.model.specular}; {spectra.attrs['source']}"
-    return save_figure(sites_figure(sites, title, caption), path)
+    figure = fits_figure(shown[:_PLOTTED], _title(run), _caption(run))
+    return save_figure(figure, path)
+
+
+def _map(path: Path, run: Sequence[Fitted]) -> Path:
+    """Draw the maps of a cube."""
+    from skinviz.view.figures import save_figure
+    from skinviz.view.pigment_maps import maps_figure
+
+    (item,) = run
+    figure = maps_figure(item.measured, item.fits[0], _title(run), _caption(run))
+    return save_figure(figure, path)

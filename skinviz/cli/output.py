@@ -8,16 +8,70 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from skinviz._files import whole_file
 
-Advance = Callable[[str], None]
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+
+class Steps:
+    """The steps of a verb as they begin: a bar, or a line each, on standard error."""
+
+    def __init__(self, n_steps: int) -> None:
+        """Take the number of steps to come."""
+        self._started = iter(range(1, n_steps + 1))
+        self._n_steps = n_steps
+
+    def __call__(self, name: str) -> None:
+        """Begin the next step."""
+        number = next(self._started, self._n_steps)
+        sys.stderr.write(f"[{number}/{self._n_steps}] {name}\n")
+        sys.stderr.flush()
+
+    def counting(self, total: int) -> Callable[[int], None]:  # noqa: ARG002
+        """Return what is told how many of a step's parts are done, of a total."""
+        return lambda _: None
+
+
+class _Bar(Steps):
+    """Steps as a bar, under it a second one for the parts of a step."""
+
+    def __init__(self, n_steps: int, bar: Progress) -> None:
+        """Take the number of steps to come and what draws them."""
+        super().__init__(n_steps)
+        self._bar = bar
+        self._steps = bar.add_task("", total=n_steps, completed=-1)
+        self._parts: TaskID | None = None
+
+    def __call__(self, name: str) -> None:
+        """Begin the next step; that of the parts has ended."""
+        self._end_parts()
+        self._bar.update(self._steps, advance=1, description=name, refresh=True)
+
+    def counting(self, total: int) -> Callable[[int], None]:
+        """Return what is told how many of a step's parts are done, of a total."""
+        self._end_parts()
+        self._parts = parts = self._bar.add_task("", total=total)
+        return lambda done: self._bar.update(parts, advance=done)
+
+    def end(self) -> None:
+        """Show that all is done."""
+        self._end_parts()
+        self._bar.update(self._steps, completed=self._n_steps, description="done")
+
+    def _end_parts(self) -> None:
+        """Take the bar of the parts away."""
+        if self._parts is not None:
+            self._bar.refresh()  # or a short step would end unseen
+            self._bar.remove_task(self._parts)
+            self._parts = None
 
 
 @contextlib.contextmanager
-def progress_bar(n_steps: int) -> Iterator[Advance]:
-    """Show a bar on standard error; the function it yields begins the next step.
+def progress_bar(n_steps: int) -> Iterator[Steps]:
+    """Show a bar on standard error; what it yields begins the next step.
 
     Where standard error is no terminal, each step is one line.
     """
@@ -32,13 +86,7 @@ def progress_bar(n_steps: int) -> Iterator[Advance]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        started = iter(range(1, n_steps + 1))
-
-        def write_line(name: str) -> None:
-            sys.stderr.write(f"[{next(started, n_steps)}/{n_steps}] {name}\n")
-            sys.stderr.flush()
-
-        yield write_line
+        yield Steps(n_steps)
         return
     bar = Progress(
         TextColumn("{task.description:<28}"),
@@ -48,13 +96,9 @@ def progress_bar(n_steps: int) -> Iterator[Advance]:
         console=console,
     )
     with bar:
-        task = bar.add_task("", total=n_steps, completed=-1)
-
-        def begin(name: str) -> None:
-            bar.update(task, advance=1, description=name, refresh=True)
-
-        yield begin
-        bar.update(task, completed=n_steps, description="done")
+        steps = _Bar(n_steps, bar)
+        yield steps
+        steps.end()
 
 
 def say(text: str) -> None:

@@ -1,12 +1,9 @@
 """Whole figures: the right data in them, and every word readable."""
 
-import itertools
-
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
+from drawn_texts import check_apart, check_inside, texts_of
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 from PIL import Image
 
 from skinviz.errors import SkinvizError
@@ -34,24 +31,6 @@ def hands(picture, site, scene, n_pictures=2):
         vertex_spectrum(scene, 10),
         CAPTION,
     )
-
-
-def texts_of(figure):
-    """Draw a figure; give the texts that were drawn, with their boxes in pixels."""
-    texts = []
-    draw = Text.draw
-
-    def spy(self, renderer):
-        if self.get_visible() and self.get_text().strip():
-            texts.append((self.get_text(), self.get_window_extent(renderer)))
-        return draw(self, renderer)
-
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()  # settles the layout
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Text, "draw", spy)
-        canvas.draw()
-    return texts
 
 
 @pytest.fixture(scope="module", params=["hands", "dark hands", "sites", "two sites"])
@@ -129,22 +108,12 @@ def test_errors_of_the_fit_are_told_as_they_are(sites):
 
 def test_no_word_is_outside_the_canvas(drawn):
     figure, texts = drawn
-    width, height = figure.get_size_inches() * figure.dpi
     assert len(texts) > 20
-    for text, box in texts:
-        assert box.x0 >= 0, text
-        assert box.y0 >= 0, text
-        assert box.x1 <= width, text
-        assert box.y1 <= height, text
+    check_inside(figure, texts)
 
 
 def test_no_words_overlap(drawn):
-    _, texts = drawn
-    for (first, a), (second, b) in itertools.combinations(texts, 2):
-        wide = min(a.x1, b.x1) - max(a.x0, b.x0)
-        high = min(a.y1, b.y1) - max(a.y0, b.y0)
-        # A box has a little air of its own around the ink.
-        assert wide <= 1 or high <= 1, f"{first!r} on {second!r}"
+    check_apart(drawn[1])
 
 
 def test_no_words_lie_on_the_curves(drawn):

@@ -1,0 +1,210 @@
+"""A figure of a few spectra with what one model or several made of them."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.skin.skin_fit import SkinFit
+from skinviz.spectra.colorimetry import encode_srgb, xyz_to_linear_srgb
+from skinviz.view import panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Box = tuple[float, float, float, float]
+
+STYLES = (
+    (panels.FITTED, "-"),
+    (panels.SPECULAR, "--"),
+    ("#d9a000", "-."),
+    ("#7a4fa3", ":"),
+)
+"""Colour and dashes of each model's curve, told apart also by the colour-blind."""
+
+_RC: dict[Any, Any] = {"font.size": 9, "axes.linewidth": 0.7, "legend.fontsize": 8}
+_COLUMN, _LEFT, _RIGHT, _BETWEEN = 2.9, 0.85, 0.25, 0.75  # inches
+_CURVES, _RESIDUAL, _SWATCH, _LINE = 2.3, 1.0, 0.3, 0.155  # inches
+_TITLE, _WORDS, _CAPTION = 0.2, 0.095, 0.0585  # inches: a line; a letter; a small one
+_LONGEST = 42  # letters of a spectrum's name that fit over its column
+_CLEAR = 0.02  # least reflectance that an axis spans
+
+
+@dataclass(frozen=True, eq=False)
+class FittedSpectrum:
+    """A measured spectrum (n,) and the fit of each model to it."""
+
+    name: str
+    measured: Array
+    fits: tuple[SkinFit, ...]
+
+
+def fits_figure(spectra: Sequence[FittedSpectrum], title: str, caption: str) -> Figure:
+    """Return one column a spectrum: curves, residuals, colours and numbers.
+
+    Parameters
+    ----------
+    spectra : sequence of FittedSpectrum
+        A few, all fitted by the same models.
+    title, caption : str
+        Printed above and below, wrapped.
+    """
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    n = len(spectra)
+    width = _LEFT + n * _COLUMN + (n - 1) * _BETWEEN + _RIGHT
+    above = textwrap.wrap(title, int((width - 0.2) / _WORDS))
+    below = textwrap.wrap(caption, int((width - 0.2) / _CAPTION))
+    numbers = [_numbers(spectrum.fits) for spectrum in spectra]
+    words = _LINE * max(len(lines) for lines in numbers)
+    # From the top down, in inches.
+    tops = np.cumsum(
+        [
+            0.45 + _TITLE * len(above),
+            _CURVES + 0.15,
+            _RESIDUAL + 0.62,
+            _SWATCH + 0.3,
+            words + 0.12,
+        ]
+    )
+    height = tops[-1] + 0.14 * len(below) + 0.12
+    with mpl.rc_context(_RC):
+        figure = Figure(figsize=(width, height), dpi=150)
+
+        def box(column: int, top: float, tall: float) -> Box:
+            left = _LEFT + column * (_COLUMN + _BETWEEN)
+            return (
+                left / width,
+                1 - (top + tall) / height,
+                _COLUMN / width,
+                tall / height,
+            )
+
+        highest = max(_highest(spectrum) for spectrum in spectra)
+        spread = max(_spread(spectrum) for spectrum in spectra)
+        room = 1.2 + 0.085 * ((len(spectra[0].fits) + 2) // 2)
+        for column, spectrum in enumerate(spectra):
+            curves = figure.add_axes(box(column, tops[0], _CURVES))
+            _draw_curves(curves, spectrum)
+            curves.set_ylim(0, room * highest)
+            residual = figure.add_axes(box(column, tops[1], _RESIDUAL))
+            _draw_residuals(residual, spectrum)
+            residual.set_ylim(-spread, spread)
+            for axes in (curves, residual):
+                axes.yaxis.set_label_coords(-0.165, 0.5)
+            _draw_colours(figure.add_axes(box(column, tops[2], _SWATCH)), spectrum)
+            left, _, _, _ = box(column, 0, 0)
+            figure.text(
+                left,
+                1 - tops[3] / height,
+                "\n".join(numbers[column]),
+                fontsize=7.5,
+                family="monospace",
+                va="top",
+                linespacing=_LINE * 72 / 7.5 / 1.164,  # 1.164: this font's own
+                parse_math=False,
+            )
+        _say(figure, 0.12, "\n".join(above), height, fontsize=11)
+        _say(figure, tops[4], "\n".join(below), height, fontsize=7.5, color="0.35")
+    return figure
+
+
+def _say(figure: Figure, top: float, text: str, height: float, **how: Any) -> None:
+    """Write text at the left, its upper edge some inches from the top."""
+    left = 0.1 / figure.get_size_inches()[0]
+    figure.text(left, 1 - top / height, text, va="top", parse_math=False, **how)
+
+
+def _draw_curves(axes: Axes, spectrum: FittedSpectrum) -> None:
+    """Draw measured and fitted reflectance."""
+    fits = spectrum.fits
+    bands = fits[0].wavelengths
+    axes.plot(
+        bands, spectrum.measured, "o", ms=3, color=panels.MEASURED, label="measured"
+    )
+    for k, fit in enumerate(fits):
+        colour, dashes = STYLES[k % len(STYLES)]
+        label = "fitted" if len(fits) == 1 else fit.model.name
+        axes.plot(bands, fit.fitted, dashes, lw=1.4, color=colour, label=label)
+    axes.set_ylabel("reflectance")
+    name = spectrum.name
+    axes.set_title(
+        name if len(name) <= _LONGEST else f"…{name[1 - _LONGEST :]}", parse_math=False
+    )
+    # Skin is dark in the blue: the upper left stays free for words.
+    axes.legend(loc="upper left", frameon=False, ncols=2, columnspacing=1.2)
+    panels.wavelength_axis(axes, labelled=False)
+
+
+def _draw_residuals(axes: Axes, spectrum: FittedSpectrum) -> None:
+    """Draw measured minus fitted reflectance, of one model as sticks."""
+    bands = spectrum.fits[0].wavelengths
+    axes.axhline(0, lw=0.8, color="0.6")
+    for k, fit in enumerate(spectrum.fits):
+        colour, dashes = STYLES[k % len(STYLES)]
+        residual = spectrum.measured - fit.fitted
+        if len(spectrum.fits) == 1:
+            axes.vlines(bands, 0, residual, lw=1.2, color=colour)
+            axes.plot(bands, residual, "o", ms=2.5, color=colour, clip_on=False)
+        else:
+            axes.plot(bands, residual, dashes, lw=1.3, color=colour)
+    axes.set_ylabel("residual")
+    panels.wavelength_axis(axes)
+
+
+def _draw_colours(axes: Axes, spectrum: FittedSpectrum) -> None:
+    """Draw the measured colour and each model's edge to edge, under D65."""
+    fits = spectrum.fits
+    xyz = np.stack([fits[0].xyz[0], *(fit.xyz[1] for fit in fits)])
+    names = ["measured", *(fit.model.name for fit in fits)]
+    if len(fits) == 1:
+        names[1] = "fitted"
+    known = np.isfinite(xyz).all(axis=-1, keepdims=True)
+    shown = np.where(known, encode_srgb(xyz_to_linear_srgb(np.nan_to_num(xyz))), 1.0)
+    axes.imshow(shown[None], aspect="auto", extent=(0, len(names), 0, 1))
+    size = 7 if len(names) < 5 else 6
+    axes.set_xticks(np.arange(len(names)) + 0.5, names, fontsize=size)
+    axes.set_yticks([])
+    axes.tick_params(length=0, pad=2)
+
+
+def _numbers(fits: Sequence[SkinFit]) -> list[str]:
+    """Return the lines of numbers below a spectrum."""
+    if len(fits) > 1:
+        lines = [f"{'':<14}{'SSE61':>8}{'ΔE00':>7}{'BIC':>9}"]
+        return lines + [
+            f"{fit.model.name:<14}{fit.sse_61:>8.4f}{fit.delta_e:>7.2f}{fit.bic:>9.1f}"
+            for fit in fits
+        ]
+    (fit,) = fits
+    lines = [
+        f"{name:<14}{value:>8.4f}  [{low:.4f}, {high:.4f}]"
+        for name, value, (low, high) in zip(
+            fit.parameters, fit.values, fit.interval, strict=True
+        )
+    ]
+    return [
+        *lines,
+        f"{'SSE61':<14}{fit.sse_61:>8.4f}  RMSE {fit.rmse:.4f}",
+        f"{'ΔE00, D65':<14}{fit.delta_e:>8.2f}  {fit.status}",
+    ]
+
+
+def _highest(spectrum: FittedSpectrum) -> float:
+    """Return the highest reflectance that is drawn."""
+    curves = [spectrum.measured, *(fit.fitted for fit in spectrum.fits)]
+    return float(np.nanmax(np.concatenate(curves), initial=_CLEAR))
+
+
+def _spread(spectrum: FittedSpectrum) -> float:
+    """Return how far the residuals' axis goes."""
+    apart = [np.abs(spectrum.measured - fit.fitted) for fit in spectrum.fits]
+    return 1.15 * float(np.nanmax(np.concatenate(apart), initial=0.005))
