@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-Box = tuple[float, float, float, float]
 
 STYLES = (
     (panels.FITTED, "-"),
@@ -63,64 +62,65 @@ def fits_figure(spectra: Sequence[FittedSpectrum], title: str, caption: str) -> 
     width = _LEFT + n * _COLUMN + (n - 1) * _BETWEEN + _RIGHT
     above = textwrap.wrap(title, int((width - 0.2) / _WORDS))
     below = textwrap.wrap(caption, int((width - 0.2) / _CAPTION))
-    numbers = [_numbers(spectrum.fits) for spectrum in spectra]
-    words = _LINE * max(len(lines) for lines in numbers)
-    # From the top down, in inches.
-    tops = np.cumsum(
-        [
-            0.45 + _TITLE * len(above),
-            _CURVES + 0.15,
-            _RESIDUAL + 0.62,
-            _SWATCH + 0.3,
-            words + 0.12,
-        ]
-    )
-    height = tops[-1] + 0.14 * len(below) + 0.12
+    words = max(len(_numbers(spectrum.fits)) for spectrum in spectra)
+    tall = [
+        0.45 + _TITLE * len(above),
+        _CURVES + 0.15,
+        _RESIDUAL + 0.62,
+        _SWATCH + 0.3,
+        _LINE * words + 0.12,
+    ]
+    tops = np.cumsum(tall)  # from the top down, in inches
+    highest = max(_highest(spectrum) for spectrum in spectra)
+    room = 1.2 + 0.085 * ((len(spectra[0].fits) + 2) // 2)  # rows of the legend
+    spread = max(_spread(spectrum) for spectrum in spectra)
     with mpl.rc_context(_RC):
+        height = tops[-1] + 0.14 * len(below) + 0.12
         figure = Figure(figsize=(width, height), dpi=150)
-
-        def box(column: int, top: float, tall: float) -> Box:
-            left = _LEFT + column * (_COLUMN + _BETWEEN)
-            return (
-                left / width,
-                1 - (top + tall) / height,
-                _COLUMN / width,
-                tall / height,
-            )
-
-        highest = max(_highest(spectrum) for spectrum in spectra)
-        spread = max(_spread(spectrum) for spectrum in spectra)
-        room = 1.2 + 0.085 * ((len(spectra[0].fits) + 2) // 2)
         for column, spectrum in enumerate(spectra):
-            curves = figure.add_axes(box(column, tops[0], _CURVES))
-            _draw_curves(curves, spectrum)
+            left = _LEFT + column * (_COLUMN + _BETWEEN)
+            curves, residual = _draw_column(figure, spectrum, left, tops)
             curves.set_ylim(0, room * highest)
-            residual = figure.add_axes(box(column, tops[1], _RESIDUAL))
-            _draw_residuals(residual, spectrum)
             residual.set_ylim(-spread, spread)
-            for axes in (curves, residual):
-                axes.yaxis.set_label_coords(-0.165, 0.5)
-            _draw_colours(figure.add_axes(box(column, tops[2], _SWATCH)), spectrum)
-            left, _, _, _ = box(column, 0, 0)
-            figure.text(
-                left,
-                1 - tops[3] / height,
-                "\n".join(numbers[column]),
-                fontsize=7.5,
-                family="monospace",
-                va="top",
-                linespacing=_LINE * 72 / 7.5 / 1.164,  # 1.164: this font's own
-                parse_math=False,
-            )
-        _say(figure, 0.12, "\n".join(above), height, fontsize=11)
-        _say(figure, tops[4], "\n".join(below), height, fontsize=7.5, color="0.35")
+        _say(figure, (0.1, 0.12), above, fontsize=11)
+        _say(figure, (0.1, tops[4]), below, fontsize=7.5, color="0.35")
     return figure
 
 
-def _say(figure: Figure, top: float, text: str, height: float, **how: Any) -> None:
-    """Write text at the left, its upper edge some inches from the top."""
-    left = 0.1 / figure.get_size_inches()[0]
-    figure.text(left, 1 - top / height, text, va="top", parse_math=False, **how)
+def _draw_column(
+    figure: Figure, spectrum: FittedSpectrum, left: float, tops: Array
+) -> tuple[Axes, Axes]:
+    """Draw all of one spectrum; return the axes of its curves and residuals."""
+    width, height = figure.get_size_inches()
+
+    def axes_at(top: float, tall: float) -> Axes:
+        bottom = 1 - (top + tall) / height
+        return figure.add_axes((left / width, bottom, _COLUMN / width, tall / height))
+
+    curves, residual = axes_at(tops[0], _CURVES), axes_at(tops[1], _RESIDUAL)
+    _draw_curves(curves, spectrum)
+    _draw_residuals(residual, spectrum)
+    for axes in (curves, residual):
+        axes.yaxis.set_label_coords(-0.165, 0.5)
+    _draw_colours(axes_at(tops[2], _SWATCH), spectrum)
+    _say(
+        figure,
+        (left, tops[3]),
+        _numbers(spectrum.fits),
+        fontsize=7.5,
+        family="monospace",
+        linespacing=_LINE * 72 / 7.5 / 1.164,  # 1.164: this font's own
+    )
+    return curves, residual
+
+
+def _say(
+    figure: Figure, at: tuple[float, float], lines: Sequence[str], **how: Any
+) -> None:
+    """Write lines, their upper left corner some inches from the figure's."""
+    width, height = figure.get_size_inches()
+    x, y = at[0] / width, 1 - at[1] / height
+    figure.text(x, y, "\n".join(lines), va="top", parse_math=False, **how)
 
 
 def _draw_curves(axes: Axes, spectrum: FittedSpectrum) -> None:
