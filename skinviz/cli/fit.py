@@ -40,6 +40,7 @@ def fit(
     thickness: tuple[float, float] | None = None,
     specular: str | None = None,
     model: tuple[str, ...] = ("two-layer",),
+    free: tuple[str, ...] = (),
     coefficients: str = "effective",
     scale: str | None = None,
     uncertainty: float | None = None,
@@ -68,6 +69,9 @@ def fit(
         or a number. Needed unless the files state it.
     model
         Skin model. Give several, once each, to compare them by their BIC.
+    free
+        What the extended model leaves free besides the pigments: scattering,
+        melanin_slope, surface, epidermis, once each; the first three if not said.
     coefficients
         Coefficient set: effective, textbook, or the .csv table of your own.
     scale
@@ -96,7 +100,7 @@ def fit(
         spectra = read_files(file, scale, specular, begin)
         require_kinds(spectra, out, plot, maps)
         tissue = {"site": site, "thickness": thickness, "coefficients": coefficients}
-        chosen = _models(model, spectra, **tissue)
+        chosen = _models(model, spectra, free, **tissue)
         run = _fit(spectra, chosen, uncertainty, begin)
         files = []
         if out is not None:
@@ -119,13 +123,23 @@ def fit(
 
 
 def _models(
-    names: Sequence[str], spectra: dict[Path, xarray.Dataset], **tissue: Any
+    names: Sequence[str],
+    spectra: dict[Path, xarray.Dataset],
+    free: Sequence[str],
+    **tissue: Any,
 ) -> list[SkinModel]:
-    """Return the models, built for what was measured."""
+    """Return the models, built for what was measured; one takes what is free."""
+    from skinviz.errors import ArgumentError
     from skinviz.skin.models import skin_model
 
     specular = next(iter(spectra.values())).attrs["specular"]
-    return [skin_model(name, specular=specular, **tissue) for name in names]
+    if free and "extended" not in names:
+        raise ArgumentError("--free is for --model extended; say both, or neither")
+    options: dict[str, Any] = {"extended": {"free": free}} if free else {}
+    return [
+        skin_model(name, specular=specular, **tissue, **options.get(name, {}))
+        for name in names
+    ]
 
 
 def _fit(

@@ -17,6 +17,7 @@ from skinviz.scan.formats import read_mesh
 from skinviz.scene.hand import HandFrame, hand_frame
 from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
 from skinviz.skin.fit import fit_skin
+from skinviz.skin.fitted import FITS_FORMAT
 from skinviz.skin.models import skin_model
 from skinviz.skin.report import FIT_FORMAT
 from skinviz.spectra.archives import load_archive
@@ -235,6 +236,10 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
         known = content["format"] == FIT_FORMAT
+        if content["format"] == FITS_FORMAT:
+            raise DataError(
+                f"{file} holds fits of several models; fit with one --model for a scene"
+            )
         fits = content["fits"]
         options = {key: content[key] for key in ("specular", "coefficients")}
         options |= {key: content[key] for key in ("free",) if key in content}

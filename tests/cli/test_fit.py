@@ -460,3 +460,14 @@ def test_maps_show_one_model(run, cube, tmp_path, rival):  # noqa: F811
 def test_no_file_is_wrong_usage(run):
     assert run(*CHEEK)[0] == 2
     assert run("x.csv", "--uncertainty", "much")[0] == 2
+
+
+def test_what_is_free_goes_to_the_extended_model_alone(run, skins):
+    words = ("--model", "two-layer", "--model", "extended", "--free", "epidermis")
+    code, said, _ = run(skins, *CHEEK, *words, "--json")
+    assert code == 0
+    models = json.loads(said)["models"]
+    weights = ["w_m", "w_h", "w_dh"]
+    assert list(models["two-layer"]["fits"][0]["parameters"]) == weights
+    assert list(models["extended"]["fits"][0]["parameters"]) == [*weights, "epidermis"]
+    refused(run(skins, *CHEEK, "--free", "epidermis"), "--free is for --model extended")
