@@ -21,20 +21,26 @@ class Row:
     measured: str
 
 
-def table(rows: list[Row]) -> str:
-    """Return a markdown table."""
-    lines = [f"| {row.figure} | {row.goal} | {row.measured} |" for row in rows]
-    return "\n".join(["| what | goal | measured |", "|---|---|---|", *lines])
+HEAD = "| what | goal | measured |\n|---|---|---|"
+
+
+def line(row: Row) -> str:
+    """Return a line of a markdown table."""
+    return f"| {row.figure} | {row.goal} | {row.measured} |"
 
 
 def machine() -> str:
     """Return the processor, the versions and how busy the machine is now."""
-    load = ", ".join(f"{x:.1f}" for x in os.getloadavg())
     return (
         f"{_processor()}, {len(os.sched_getaffinity(0))} cores, Python "
         f"{platform.python_version()}, NumPy {np.__version__}, SciPy "
-        f"{scipy.__version__}, numba {numba.__version__}; load average {load}"
+        f"{scipy.__version__}, numba {numba.__version__}; {busy()}"
     )
+
+
+def busy() -> str:
+    """Return how many processes wanted a core in the last 1, 5 and 15 minutes."""
+    return "load average " + ", ".join(f"{x:.1f}" for x in os.getloadavg())
 
 
 def _processor() -> str:

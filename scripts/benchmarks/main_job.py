@@ -1,7 +1,7 @@
 """Measure the main job: accuracy beside time, for docs/physics.md.
 
-Colour and mesh; the skin's optics and the fit are measured by ``skin_fit.py``. Run in
-the development environment: ``python scripts/benchmarks/main_job.py``.
+Colour and mesh; ``skin_fit.py`` measures the skin's optics and the fit. Run in the
+development environment: ``python scripts/benchmarks/main_job.py``.
 """
 
 import platform

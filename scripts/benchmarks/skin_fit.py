@@ -15,7 +15,7 @@ import _skin_optimum
 import _skin_pulls
 import _skin_quality
 import _skin_speed
-from _skin_print import machine, table
+from _skin_print import HEAD, busy, line, machine
 
 PARTS = {
     "optics": lambda size: _skin_optics.rows(int(2000 * size)),
@@ -44,11 +44,12 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--quick", action="store_true", help="a tenth of the samples")
     asked = parser.parse_args()
-    before, rows = machine(), []
+    print(f"{machine()}\n\n{HEAD}", flush=True)
     for name in asked.only:
         print(f"{name} ...", file=sys.stderr)
-        rows += PARTS[name](0.1 if asked.quick else 1.0)
-    print(f"{before}; at the end:\n{machine()}\n\n{table(rows)}")
+        for row in PARTS[name](0.1 if asked.quick else 1.0):
+            print(line(row), flush=True)
+    print(f"\nAt the end: {busy()}")
 
 
 if __name__ == "__main__":

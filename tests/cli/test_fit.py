@@ -365,7 +365,7 @@ def test_a_scene_refuses_a_file_of_several_models(run, skins, tmp_path, rival): 
 
     out = tmp_path / "fit.json"
     assert run(skins, *CHEEK, *BOTH, "-o", out)[0] == 0
-    with pytest.raises(DataError, match="not a fit file"):
+    with pytest.raises(DataError, match="holds fits of several models"):
         skin_from_fit_file(out)
 
 
