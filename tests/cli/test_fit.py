@@ -346,7 +346,8 @@ def test_files_have_the_model_as_a_further_key(run, skins, tmp_path, rival):  # 
     assert alone["fits"][0]["parameters"].keys() == {"w_m", "w_h", "w_dh"}
     rows = pd.read_csv(outs["csv"])
     assert rows["model"].tolist() == 3 * ["two-layer"] + 3 * ["rival"]
-    assert rows["bic"].tolist()[:3] == [fit["bic"] for fit in alone["fits"]]
+    # The CSV has as many digits as anyone reads.
+    assert rows["bic"].tolist()[:3] == pytest.approx([f["bic"] for f in alone["fits"]])
     assert rows.loc[rows["model"] == "rival", "w_h"].isna().all()
     assert rows.loc[rows["model"] == "rival", "blood"].notna().all()
     with xarray.open_dataset(outs["nc"]) as table:
