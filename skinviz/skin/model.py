@@ -234,7 +234,8 @@ class SkinModel:
         from skinviz.skin.kernels import spectra
 
         table, constants = self.arrays(wavelengths, surface)
-        flat = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
+        # A copy, because compiled code takes no array that may only be read.
+        flat = np.array(values.reshape(-1, values.shape[-1]), order="C")
         n = np.size(wavelengths)
         measured = np.zeros((len(flat), n))
 

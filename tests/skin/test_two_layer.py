@@ -190,6 +190,16 @@ def test_batches_keep_their_shape(shape):
     assert_array_equal(found, np.broadcast_to(found[(0,) * len(shape)], found.shape))
 
 
+def test_weights_may_be_read_only_broadcast_or_of_another_order():
+    weights = np.array([[0.1, 0.01, 0.0], [0.2, 0.0, 0.01]])
+    expected = model().measured(weights, NM)
+    weights.setflags(write=False)
+    assert_array_equal(model().measured(weights, NM), expected)
+    assert_array_equal(model().measured(np.asfortranarray(weights), NM), expected)
+    alike = np.broadcast_to(weights[0], (4, 3))
+    assert_array_equal(model().measured(alike, NM), np.tile(expected[0], (4, 1)))
+
+
 @pytest.mark.parametrize("wrong", [-1e-3, 1.1e12, np.nan, INF])
 def test_weights_out_of_bounds_are_refused(wrong):
     with pytest.raises(ArgumentError, match="must be between 0 and 1e"):
