@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         SkinvizError,
         SystemLibraryError,
     )
-    from skinviz.render.shade import shade, vertex_spectrum
+    from skinviz.rendering.shade import shade, vertex_spectrum
     from skinviz.scan.clean import clean_scan
     from skinviz.scan.formats import read_mesh, read_scan, write_mesh
     from skinviz.scan.report import CleaningReport
@@ -47,8 +47,8 @@ _HOME = {
     "MeshError": "errors",
     "SkinvizError": "errors",
     "SystemLibraryError": "errors",
-    "shade": "render.shade",
-    "vertex_spectrum": "render.shade",
+    "shade": "rendering.shade",
+    "vertex_spectrum": "rendering.shade",
     "CleaningReport": "scan.report",
     "clean_scan": "scan.clean",
     "read_mesh": "scan.formats",

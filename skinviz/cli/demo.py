@@ -57,7 +57,7 @@ def demo(
     for user in ("vtk", "pymeshlab"):
         require_system_libraries(user)
     started = time.perf_counter()
-    from skinviz.render.shade import shade, vertex_spectrum
+    from skinviz.rendering.shade import shade, vertex_spectrum
     from skinviz.scan.clean import STEPS, clean_scan
     from skinviz.scan.formats import read_scan, write_mesh
     from skinviz.scan.shipped import DEMO_SCAN, shipped_mesh
@@ -160,7 +160,7 @@ def _marked_vertex(scene: Scene) -> int:
     """Return the vertex of the back of the hand that shines most."""
     import numpy as np
 
-    from skinviz.render.shade import geometry_terms
+    from skinviz.rendering.shade import geometry_terms
 
     _, specular = geometry_terms(scene)
     along = np.asarray(scene.mesh.points) @ scene.camera.up

@@ -97,7 +97,7 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
 
 def _energy(body: float, scene: Scene) -> str:
     """Return the most that the scene's surface can reflect, with a warning above 1."""
-    from skinviz.render.shade import geometry_terms
+    from skinviz.rendering.shade import geometry_terms
     from skinviz.surface.torrance_sparrow import specular_albedo
 
     gloss = specular_albedo(scene.surface)

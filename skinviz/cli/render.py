@@ -45,7 +45,7 @@ def render(
     import numpy as np
 
     from skinviz._validate import in_range, one_of
-    from skinviz.render.shade import shade
+    from skinviz.rendering.shade import shade
     from skinviz.scan.formats import write_mesh
     from skinviz.scene.scene import LARGEST_PICTURE
     from skinviz.scene.scene_file import read_scene

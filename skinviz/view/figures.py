@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from skinviz._files import whole_file
 from skinviz._validate import one_of
-from skinviz.render.shade import VertexSpectrum
+from skinviz.rendering.shade import VertexSpectrum
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.view import panels
 from skinviz.view.offscreen import Picture

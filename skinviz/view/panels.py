@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.render.shade import VertexSpectrum
+from skinviz.rendering.shade import VertexSpectrum
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.colorimetry import (
     colour_matching_functions,

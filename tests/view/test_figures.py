@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from skinviz.errors import SkinvizError
-from skinviz.render.shade import vertex_spectrum
+from skinviz.rendering.shade import vertex_spectrum
 from skinviz.view.figures import hands_figure, save_figure, sites_figure
 
 CAPTION = (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from skinviz.render.shade import VertexSpectrum, vertex_spectrum
+from skinviz.rendering.shade import VertexSpectrum, vertex_spectrum
 from skinviz.view import panels
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skinviz.render import to_srgb8
+from skinviz.rendering import to_srgb8
 
 
 def test_display_values_are_those_of_colour_science(colour):

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
-from skinviz.render.colour import to_srgb8
+from skinviz.rendering.colour import to_srgb8
 from skinviz.scan import topology
 from skinviz.scan.formats.surface import UNIT_FIELD
 from skinviz.scene.scene import DirectionalLight, Scene

@@ -7,7 +7,7 @@ from tolerances import ROUNDING
 from meshes import cube, moved, plane, pose, sphere, tetrahedron, toy_hand
 from skinviz import Camera, DirectionalLight, Skin, TorranceSparrow
 from skinviz.errors import ArgumentError, MeshError, SkinvizError
-from skinviz.render.shade import shade, vertex_spectrum
+from skinviz.rendering.shade import shade, vertex_spectrum
 from skinviz.scan.topology import arrays, polydata, vertex_normals
 from skinviz.scene.scene import Scene
 from skinviz.spectra.colorimetry import colour_matching_functions

@@ -1,6 +1,6 @@
 """From a scene to spectral radiance and colour."""
 
-from skinviz.render.colour import DisplayCounts, to_srgb8
-from skinviz.render.shade import VertexSpectrum, shade, vertex_spectrum
+from skinviz.rendering.colour import DisplayCounts, to_srgb8
+from skinviz.rendering.shade import VertexSpectrum, shade, vertex_spectrum
 
 __all__ = ["DisplayCounts", "VertexSpectrum", "shade", "to_srgb8", "vertex_spectrum"]

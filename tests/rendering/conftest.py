@@ -63,7 +63,7 @@ def xyz_of(monkeypatch):
     """Shade a scene and give the XYZ that its colours were made of, with the mesh."""
 
     # The package's name for it is the function, so the module is asked for.
-    shading = importlib.import_module("skinviz.render.shade")
+    shading = importlib.import_module("skinviz.rendering.shade")
 
     def run(scene):
         seen = []
