@@ -19,17 +19,23 @@ if TYPE_CHECKING:
         DataError,
         FitError,
         MeshError,
+        SceneWarning,
         SkinvizError,
         SystemLibraryError,
     )
+    from skinviz.rendering.geometry import geometry_of
+    from skinviz.rendering.plan import Plan
+    from skinviz.rendering.render import Rendering, render
     from skinviz.rendering.shade import shade, vertex_spectrum
     from skinviz.scan.clean import clean_scan
     from skinviz.scan.formats import read_mesh, read_scan, write_mesh
     from skinviz.scan.report import CleaningReport
     from skinviz.scan.scan import Scan
     from skinviz.scan.simulate import Scanner, simulate_scan
+    from skinviz.scene.camera import Camera
     from skinviz.scene.hand import HandFrame, hand_frame
-    from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
+    from skinviz.scene.lights import DirectionalLight, PointLight
+    from skinviz.scene.scene import Scene, Skin
     from skinviz.scene.scene_file import read_scene
     from skinviz.skin.fit import fit_skin
     from skinviz.skin.kubelka_munk import kubelka_munk_layer
@@ -45,8 +51,13 @@ _HOME = {
     "DataError": "errors",
     "FitError": "errors",
     "MeshError": "errors",
+    "SceneWarning": "errors",
     "SkinvizError": "errors",
     "SystemLibraryError": "errors",
+    "geometry_of": "rendering.geometry",
+    "Plan": "rendering.plan",
+    "Rendering": "rendering.render",
+    "render": "rendering.render",
     "shade": "rendering.shade",
     "vertex_spectrum": "rendering.shade",
     "CleaningReport": "scan.report",
@@ -59,8 +70,9 @@ _HOME = {
     "simulate_scan": "scan.simulate",
     "HandFrame": "scene.hand",
     "hand_frame": "scene.hand",
-    "Camera": "scene.scene",
-    "DirectionalLight": "scene.scene",
+    "Camera": "scene.camera",
+    "DirectionalLight": "scene.lights",
+    "PointLight": "scene.lights",
     "Scene": "scene.scene",
     "Skin": "scene.scene",
     "read_scene": "scene.scene_file",

@@ -27,3 +27,7 @@ class FitError(SkinvizError):
 
 class SystemLibraryError(SkinvizError):
     """A system library that drawing or mesh repair needs is not installed."""
+
+
+class SceneWarning(UserWarning):
+    """A scene that can be computed, but hardly as its maker meant it."""

@@ -61,8 +61,10 @@ def demo(
     from skinviz.scan.clean import STEPS, clean_scan
     from skinviz.scan.formats import read_scan, write_mesh
     from skinviz.scan.shipped import DEMO_SCAN, shipped_mesh
+    from skinviz.scene.camera import Camera
     from skinviz.scene.hand import hand_frame
-    from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
+    from skinviz.scene.lights import DirectionalLight
+    from skinviz.scene.scene import Scene, Skin
     from skinviz.spectra.archives import load_archive
     from skinviz.surface.torrance_sparrow import TorranceSparrow
     from skinviz.view.figures import hands_figure, save_figure, sites_figure
@@ -160,13 +162,12 @@ def _marked_vertex(scene: Scene) -> int:
     """Return the vertex of the back of the hand that shines most."""
     import numpy as np
 
-    from skinviz.rendering.shade import geometry_terms
+    from skinviz.rendering.shade import vertex_gloss
 
-    _, specular = geometry_terms(scene)
     along = np.asarray(scene.mesh.points) @ scene.camera.up
     share = (along - along.min()) / np.ptp(along)
     on_back = (share > 0.2) & (share < 0.5)
-    return int(np.argmax(np.where(on_back, specular[0], -1.0)))
+    return int(np.argmax(np.where(on_back, vertex_gloss(scene), -1.0)))
 
 
 def _report(

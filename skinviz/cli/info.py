@@ -75,8 +75,7 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
             f"masking {surface.masking}"
         ),
         "lights": [
-            f"{light.illuminant}, strength {light.strength:g}, from "
-            f"{np.round(light.direction, 3).tolist()}"
+            f"{light.illuminant}, strength {light.strength:g}, {light.place}"
             for light in scene.lights
         ],
         "view": (
@@ -97,13 +96,13 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
 
 def _energy(body: float, scene: Scene) -> str:
     """Return the most that the scene's surface can reflect, with a warning above 1."""
-    from skinviz.rendering.shade import geometry_terms
+    from skinviz.rendering.shade import vertex_gloss
     from skinviz.surface.torrance_sparrow import specular_albedo
 
     gloss = specular_albedo(scene.surface)
     most = scene.diffuse_scale * body + gloss
     warning = "" if most <= 1 else "; above 1: the surface gives off more than it gets"
-    brightest = float(geometry_terms(scene)[1].max())
+    brightest = float(vertex_gloss(scene).max())
     if scene.surface.masking == "none" and brightest > 1:
         warning += (
             f"; eq. (10) without masking diverges here, up to {brightest:.3g} times "

@@ -47,7 +47,7 @@ def render(
     from skinviz._validate import in_range, one_of
     from skinviz.rendering.shade import shade
     from skinviz.scan.formats import write_mesh
-    from skinviz.scene.scene import LARGEST_PICTURE
+    from skinviz.scene.camera import LARGEST_PICTURE
     from skinviz.scene.scene_file import read_scene
     from skinviz.view.offscreen import draw, save_picture
 

@@ -37,9 +37,12 @@ class DisplayCounts:
     out_of_gamut: int
 
 
-def to_srgb8(xyz: NDArray[np.float64]) -> tuple[NDArray[np.uint8], DisplayCounts]:
+def to_srgb8(
+    xyz: NDArray[np.float64], behind: NDArray[np.float64] | float = 0.0
+) -> tuple[NDArray[np.uint8], DisplayCounts]:
     """Return 8-bit sRGB of XYZ (..., 3) with Y = 1 for white, and the counts.
 
+    ``behind`` is linear light of what is not the mesh, added but not counted.
     Channels below 0 or above 1 are cut off, as a display does, and counted.
     """
     linear = xyz_to_linear_srgb(xyz)
@@ -48,4 +51,4 @@ def to_srgb8(xyz: NDArray[np.float64]) -> tuple[NDArray[np.uint8], DisplayCounts
         over_exposed=int((linear > _ABOVE).any(axis=-1).sum()),
         out_of_gamut=int((linear < _BELOW).any(axis=-1).sum()),
     )
-    return np.round(255 * encode_srgb(linear)).astype(np.uint8), counts
+    return np.round(255 * encode_srgb(linear + behind)).astype(np.uint8), counts

@@ -1,36 +1,39 @@
 """Eq. (10) at every vertex: spectral radiance and its colour.
 
 Radiance is a sum of products of a scalar that depends on geometry alone and a
-spectrum that depends on skin and light alone:
-
-    Y(λ) = Σ_lights [ α (N·L) · R(λ) E(λ)  +  β D F G/(N·V) · E(λ) ]
-
-so colours need no spectra per vertex: each product's XYZ is the scalar times the
-XYZ of its spectrum. R is what leaves the skin from inside it (``model.diffuse``).
+spectrum that depends on skin and light alone, so colours need no spectra per vertex:
+each product's XYZ is the scalar times the XYZ of its spectrum.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from skinviz._threads import in_slices
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
+from skinviz.rendering import kernels, trace
 from skinviz.rendering.colour import to_srgb8
-from skinviz.scan import topology
+from skinviz.rendering.expansion import as_single, expand_mapped, require_single
+from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.lighting import light_spectra
+from skinviz.rendering.plan import Plan
+from skinviz.rendering.stage import Stage, stage_of
 from skinviz.scan.formats.surface import UNIT_FIELD
-from skinviz.scene.scene import DirectionalLight, Scene
-from skinviz.spectra.colorimetry import colour_matching_functions, xyz_weights
-from skinviz.spectra.illuminants import illuminant_spd
-from skinviz.spectra.wavelengths import band_widths
+from skinviz.scene.scene import Scene
 
 if TYPE_CHECKING:
     import pyvista
 
 Array = NDArray[np.float64]
+Single = NDArray[np.float32]
+
+_SLICE = 2**14  # vertices that a thread shades in one go
 
 
 @dataclass(frozen=True)
@@ -53,13 +56,20 @@ class VertexSpectrum:
     white: Array
 
 
-def shade(scene: Scene) -> pyvista.PolyData:
+def shade(
+    scene: Scene, plan: Plan | None = None, *, geometry: Geometry | None = None
+) -> pyvista.PolyData:
     """Compute spectral radiance and colour at every vertex.
 
     Parameters
     ----------
     scene : Scene
         What is lit and seen.
+    plan : Plan, optional
+        Whether with cast shadows (by default) or without, and how finely light
+        between parts is gathered. Its samples do not matter here.
+    geometry : Geometry, optional
+        Of the scene's mesh, where it is at hand.
 
     Returns
     -------
@@ -80,25 +90,19 @@ def shade(scene: Scene) -> pyvista.PolyData:
     -----
     Radiance is in units in which the perfect diffuser facing light 1, lit by it
     alone, has Y = 1 × exposure. Every vertex is computed, also those that the
-    camera cannot see. There are no cast shadows and no interreflection.
+    camera cannot see.
     """
-    diffuse, specular = geometry_terms(scene)
-    body = scene.skin.model.diffuse(scene.skin.values, scene.wavelengths)
-    powers = light_spectra(scene)
-    weights = _xyz_of_radiance(scene)
+    stage = stage_of(scene, plan, geometry)
+    radiance = vertex_radiance(stage)
+    xyz = vertex_xyz(stage)
+    rgb, _ = to_srgb8(xyz)
+    # A vertex that faces away has no true specular term and is not seen.
+    _, counts = to_srgb8(xyz[_facing(stage)])
     mesh = scene.mesh.copy(deep=False)
     mesh.point_data["pigments"] = np.broadcast_to(
         scene.skin.values, (mesh.n_points, scene.skin.values.shape[-1])
     )
-    mesh.point_data["radiance"] = _radiance(diffuse, specular, body, powers)
-    xyz = np.zeros((mesh.n_points, 3))
-    for scalar, gloss, power in zip(diffuse, specular, powers, strict=True):
-        xyz += scalar[:, None] * ((body * power) @ weights)
-        xyz += gloss[:, None] * (power @ weights)
-    rgb, _ = to_srgb8(xyz)
-    # A vertex that faces away has no true specular term and is not seen.
-    facing = _normals(scene) @ scene.camera.direction > 0
-    _, counts = to_srgb8(xyz[facing])
+    mesh.point_data["radiance"] = radiance
     mesh.point_data["rgb"] = rgb
     mesh.field_data["wavelengths"] = scene.wavelengths
     mesh.field_data["facing"] = [counts.total]
@@ -108,52 +112,48 @@ def shade(scene: Scene) -> pyvista.PolyData:
     return mesh
 
 
-def geometry_terms(scene: Scene) -> tuple[Array, Array]:
-    """Return α (N·L) and β D F G/(N·V) for each light, both (lights, n_vertices)."""
-    normals = _normals(scene)
-    view = scene.camera.direction
-    diffuse = [
-        scene.diffuse_scale * np.maximum(normals @ light.direction, 0.0)
-        for light in scene.lights
-    ]
-    specular = [
-        scene.surface.evaluate(normals, light.direction, view) for light in scene.lights
-    ]
-    return np.array(diffuse), np.array(specular)
+def vertex_radiance(stage: Stage, out: Single | None = None) -> Single:
+    """Return the spectral radiance of every vertex (n, bands).
 
-
-def _normals(scene: Scene) -> Array:
-    """Return the unit normal of every vertex (n, 3)."""
-    normals = topology.vertex_normals(*topology.arrays(scene.mesh))
-    lost = np.flatnonzero(~normals.any(axis=1))
-    if lost.size:
-        raise MeshError(
-            f"vertex {lost[0]} belongs to no triangle with an area ({lost.size} such "
-            "vertices); clean the mesh first: skinviz clean"
-        )
-    return normals
-
-
-def light_spectra(scene: Scene) -> Array:
-    """Return E(λ) of each light (lights, n): radiance of the lit perfect diffuser.
-
-    Scaled so that Σ E ȳ Δλ of the first light is the exposure.
+    Parameters
+    ----------
+    stage : Stage
+        From :func:`stage_of`.
+    out : (n, bands) ndarray of float32, optional
+        Where to write it.
     """
-    cmfs = colour_matching_functions(scene.wavelengths, scene.observer)
-    seen = cmfs[:, 1] * band_widths(scene.wavelengths)
+    spectra = stage.spectra
+    if out is None:
+        out = np.zeros((len(stage.geometry.points), len(spectra.colour)), np.float32)
+    matrix = as_single(spectra.products(stage.fields.spectra))
 
-    def unit_luminance(light: DirectionalLight) -> Array:
-        spd = illuminant_spd(light.illuminant, scene.wavelengths)
-        xyz_weights(scene.wavelengths, spd, scene.observer)  # refuses unseen light
-        return np.asarray(spd / (spd @ seen))
+    def use(part: slice, scalars: Array) -> None:
+        if spectra.body is not None:
+            require_single(scalars, matrix)
+            kernels.expand(np.arange(scalars.shape[1]), 1, scalars, matrix, out[part])
+        else:
+            _expand_mapped(stage, part, scalars, out[part])
 
-    first = scene.lights[0].strength
-    return np.array(
-        [
-            scene.exposure * (light.strength / first) * unit_luminance(light)
-            for light in scene.lights
-        ]
-    )
+    _each_slice(stage, use)
+    return out
+
+
+def vertex_xyz(stage: Stage) -> Array:
+    """Return XYZ of every vertex (n, 3); no spectra are formed of uniform skin."""
+    spectra = stage.spectra
+    xyz = np.zeros((len(stage.geometry.points), 3))
+    matrix = spectra.products(stage.fields.spectra) @ spectra.colour
+
+    def use(part: slice, scalars: Array) -> None:
+        if spectra.body is not None:
+            xyz[part] = scalars.T @ matrix
+            return
+        radiance = np.zeros((scalars.shape[1], len(spectra.colour)))
+        _expand_mapped(stage, part, scalars, radiance)
+        xyz[part] = radiance @ spectra.colour
+
+    _each_slice(stage, use)
+    return xyz
 
 
 def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
@@ -169,7 +169,7 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
     Returns
     -------
     spectrum : VertexSpectrum
-        In the units of :func:`shade`.
+        In the units of :func:`shade`, which it adds up to.
 
     Raises
     ------
@@ -179,40 +179,84 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
     in_range(vertex, 0, scene.mesh.n_points - 1, "vertex")
     if vertex != int(vertex):
         raise ArgumentError(f"vertex must be a whole number; got {vertex}")
-    vertex = int(vertex)
-    diffuse, specular = geometry_terms(scene)
+    stage, vertex = stage_of(scene), int(vertex)
+    scalars = _scalars(stage, slice(vertex, vertex + 1), _visible(stage))[:, 0]
+    spectra, n_lights = stage.spectra, len(stage.lighting.lights)
     values = scene.skin.values
     own = values if values.ndim == 1 else values[vertex]
     body = scene.skin.model.diffuse(own, scene.wavelengths)
-    powers = light_spectra(scene)
+    rows = stage.lighting.rows
+    lit = scalars[:n_lights] @ spectra.light + scalars[rows:] @ stage.fields.spectra
     return VertexSpectrum(
         scene.wavelengths,
-        (diffuse[:, vertex] @ powers) * body,
-        specular[:, vertex] @ powers,
-        powers[0],
+        lit * body,
+        scalars[n_lights:rows] @ spectra.shine,
+        light_spectra(scene)[0],
     )
 
 
-def _radiance(
-    diffuse: Array, specular: Array, body: Array, powers: Array
-) -> NDArray[np.float32]:
-    """Return the radiance of every vertex and band (n, bands)."""
-    peak = max(diffuse.max(), specular.max()) * powers.sum(axis=0).max()
-    if peak > np.finfo(np.float32).max:
-        raise ArgumentError(
-            f"radiance reaches {peak:.3g}, more than float32 holds; lower the exposure "
-            "or the lights' strength"
+def vertex_gloss(scene: Scene) -> Array:
+    """Return each vertex's specular light of the light that gives it most (n,).
+
+    In units of the perfect diffuser that faces this light. [1]
+    """
+    stage = stage_of(scene)
+    n_lights, rows = len(stage.lighting.lights), stage.lighting.rows
+    gloss = np.zeros(len(stage.geometry.points))
+
+    def use(part: slice, scalars: Array) -> None:
+        gloss[part] = scalars[n_lights:rows].max(axis=0)
+
+    _each_slice(stage, use)
+    return gloss
+
+
+def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
+    """Call ``use`` on slices of the vertices and their scalars (rows + e, m)."""
+    lost = np.flatnonzero(~stage.geometry.normals.any(axis=1))
+    if lost.size:
+        raise MeshError(
+            f"vertex {lost[0]} belongs to no triangle with an area ({lost.size} such "
+            "vertices); clean the mesh first: skinviz clean"
         )
-    # One product with few inner terms: bands are formed once, in float32.
-    scalars = np.concatenate([diffuse, specular]).T.astype(np.float32)
-    if body.ndim == 1:
-        spectra = np.concatenate([powers * body, powers]).astype(np.float32)
-        return np.asarray(scalars @ spectra)
-    lit = (diffuse.T @ powers) * body
-    return np.asarray(lit + specular.T @ powers, dtype=np.float32)
+    visible = _visible(stage)
+    in_slices(
+        lambda part: use(part, _scalars(stage, part, visible)),
+        len(stage.geometry.points),
+        _SLICE,
+    )
 
 
-def _xyz_of_radiance(scene: Scene) -> Array:
-    """Return the weights (n, 3) by which radiance becomes XYZ."""
-    cmfs = colour_matching_functions(scene.wavelengths, scene.observer)
-    return np.asarray(cmfs * band_widths(scene.wavelengths)[:, None])
+def _visible(stage: Stage) -> NDArray[np.uint8] | None:
+    """Return which lights the vertices see; None: all."""
+    if not stage.plan.shadows:
+        return None
+    return trace.vertex_visibility(stage.geometry, stage.lighting)
+
+
+def _scalars(stage: Stage, part: slice, visible: NDArray[np.uint8] | None) -> Array:
+    """Return the scalars (rows + e, m) of some vertices."""
+    lighting, fields = stage.lighting, stage.fields
+    out = np.zeros((lighting.rows + len(fields.spectra), part.stop - part.start))
+    seen = None if visible is None else np.ascontiguousarray(visible[:, part])
+    points, normals = stage.geometry.components
+    lighting.scalars(points, normals, out, part.start, seen)
+    out[lighting.rows :] = fields.values[part].T
+    return out
+
+
+def _expand_mapped(
+    stage: Stage, part: slice, scalars: Array, out: NDArray[np.floating]
+) -> None:
+    """Write the radiance of vertices that each have their own pigments."""
+    scene = stage.scene
+    body = scene.skin.model.diffuse(scene.skin.values[part], scene.wavelengths)
+    rows = np.arange(len(body))
+    expand_mapped(stage, scalars, body, rows=rows, samples=1, out=out)
+
+
+def _facing(stage: Stage) -> NDArray[np.bool_]:
+    """Return which vertices face the viewer (n,)."""
+    eye, points = stage.lighting.eye, stage.geometry.points
+    towards = eye[:3] - eye[3] * points
+    return np.asarray((stage.geometry.normals * towards).sum(axis=1) > 0)

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._validate import as_numbers, as_wavelengths, in_range, one_of, unit_vector
+from skinviz._validate import as_numbers, as_wavelengths, in_range, one_of
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan.checks import require_triangles
+from skinviz.scene.camera import Camera
+from skinviz.scene.lights import Light
 from skinviz.skin.model import SkinModel
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.colorimetry import OBSERVERS
-from skinviz.spectra.illuminants import illuminant_spd
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 
@@ -24,10 +25,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-LARGEST_PICTURE = 16384
-"""Longest side that a picture may have. [pixels]"""
+INTERREFLECTIONS = ("none", "diffuse")
+"""``"none"``: the paper's local model; ``"diffuse"``: one bounce between parts."""
 
-_MOST_PIXELS = 2**26
+BACKGROUND = (46, 46, 46)
+"""A dark neutral surround. [8-bit sRGB]"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,80 +79,6 @@ class Skin:
 
 
 @dataclass(frozen=True, eq=False)
-class DirectionalLight:
-    """A far light.
-
-    Attributes
-    ----------
-    direction : (3,) array
-        From the mesh towards the light; scaled to length 1.
-    illuminant : str
-        Name of a CIE illuminant, its spectrum.
-    strength : float
-        Irradiance, in units of the first light's. [1], > 0
-    """
-
-    direction: Array
-    illuminant: str = "D65"
-    strength: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Normalise the direction; refuse unknown names and darkness."""
-        object.__setattr__(
-            self, "direction", unit_vector(self.direction, "light direction")
-        )
-        illuminant_spd(self.illuminant, PAPER_WAVELENGTHS)
-        in_range(self.strength, 1e-30, 1e30, "light strength")
-
-
-@dataclass(frozen=True, eq=False)
-class Camera:
-    """A far viewer: parallel rays, the whole mesh in the picture.
-
-    Attributes
-    ----------
-    direction : (3,) array
-        From the mesh towards the viewer; scaled to length 1.
-    up : (3,) array
-        Shown upwards; any direction across ``direction``.
-    size : (int, int)
-        Width and height of the picture. [pixels]
-    """
-
-    direction: Array
-    up: Array
-    size: tuple[int, int] = (1024, 1024)
-
-    def __post_init__(self) -> None:
-        """Normalise the directions; refuse impossible ones and sizes."""
-        towards = unit_vector(self.direction, "camera direction")
-        up = unit_vector(self.up, "camera up")
-        across = up - (up @ towards) * towards
-        if np.linalg.norm(across) < 1e-6:
-            raise ArgumentError("camera up must not be parallel to its direction")
-        object.__setattr__(self, "direction", towards)
-        object.__setattr__(self, "up", unit_vector(across, "camera up"))
-        object.__setattr__(self, "size", _picture_size(self.size))
-
-
-def _picture_size(size: object) -> tuple[int, int]:
-    """Return width and height as two counts of pixels."""
-    if not isinstance(size, list | tuple) or len(size) != 2:
-        raise ArgumentError(f"camera size must be (width, height); got {size!r}")
-    for pixels in size:
-        in_range(pixels, 1, LARGEST_PICTURE, "camera size", "pixels")
-        if pixels != int(pixels):
-            raise ArgumentError(f"camera size must be whole pixels; got {size!r}")
-    width, height = (int(pixels) for pixels in size)
-    if width * height > _MOST_PIXELS:
-        raise ArgumentError(
-            f"camera size {width} x {height} is more than {_MOST_PIXELS / 1e6:.0f} "
-            "million pixels; draw it in parts"
-        )
-    return width, height
-
-
-@dataclass(frozen=True, eq=False)
 class Scene:
     """Everything that a picture depends on.
 
@@ -162,7 +90,7 @@ class Scene:
         Body reflectance, uniform or per vertex.
     surface : TorranceSparrow
         Reflection at the surface.
-    lights : tuple of DirectionalLight
+    lights : tuple of DirectionalLight or PointLight
         At least one. The first sets the scale: the perfect diffuser facing it,
         lit by it alone, has Y = 1 × exposure.
     camera : Camera
@@ -175,23 +103,33 @@ class Scene:
         Where spectra are computed. [nm]
     observer : str
         "cie1931" or "cie1964".
+    interreflection : {"none", "diffuse"}
+        Whether light that one part of the mesh throws on another is computed, one
+        diffuse bounce of it.
+    background : (int, int, int)
+        Surround of the mesh in pictures; no light comes from it. [8-bit sRGB]
     """
 
     mesh: pyvista.PolyData
     skin: Skin
     surface: TorranceSparrow
-    lights: tuple[DirectionalLight, ...]
+    lights: tuple[Light, ...]
     camera: Camera
     diffuse_scale: float = 1.0
     exposure: float = 1.0
     wavelengths: Array = field(default_factory=lambda: PAPER_WAVELENGTHS)
     observer: str = "cie1931"
+    interreflection: str = "none"
+    background: tuple[int, int, int] = BACKGROUND
+    _checked: pyvista.PolyData | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         """Refuse meshes without triangles, no light, and mismatched pigments."""
-        require_triangles(self.mesh, "the scene's mesh")
-        if not self.mesh.is_all_triangles:
-            object.__setattr__(self, "mesh", self.mesh.triangulate())
+        if self._checked is not self.mesh:  # a replaced light costs no look at it
+            require_triangles(self.mesh, "the scene's mesh")
+            if not self.mesh.is_all_triangles:
+                object.__setattr__(self, "mesh", self.mesh.triangulate())
+            object.__setattr__(self, "_checked", self.mesh)
         if not self.lights:
             raise ArgumentError("a scene needs at least one light")
         object.__setattr__(self, "lights", tuple(self.lights))
@@ -203,8 +141,22 @@ class Scene:
         in_range(self.diffuse_scale, 0.0, 1e6, "diffuse_scale")
         in_range(self.exposure, 1e-30, 1e30, "exposure")
         one_of(self.observer, OBSERVERS, "observer")
+        one_of(self.interreflection, INTERREFLECTIONS, "interreflection")
+        _require_rgb8(self.background)
         object.__setattr__(self, "wavelengths", as_wavelengths(self.wavelengths))
 
     def replace(self, **changes: Any) -> Scene:
         """Return the scene with some attributes changed."""
         return dataclasses.replace(self, **changes)
+
+
+def _require_rgb8(colour: tuple[int, int, int]) -> None:
+    """Refuse a colour that is not three whole numbers of 0 to 255."""
+    if not isinstance(colour, list | tuple) or len(colour) != 3:
+        raise ArgumentError(
+            f"background must be (red, green, blue), each 0 to 255; got {colour!r}"
+        )
+    for channel in colour:
+        in_range(channel, 0, 255, "background")
+        if channel != int(channel):
+            raise ArgumentError(f"background must be whole numbers; got {colour!r}")

@@ -14,8 +14,10 @@ import numpy as np
 from skinviz._files import existing_file
 from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
+from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
-from skinviz.scene.scene import Camera, DirectionalLight, Scene, Skin
+from skinviz.scene.lights import DirectionalLight
+from skinviz.scene.scene import Scene, Skin
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.fitted import FITS_FORMAT
 from skinviz.skin.models import skin_model

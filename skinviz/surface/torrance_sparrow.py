@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,6 +64,18 @@ class TorranceSparrow:
         in_range(gamma, 1e-4, np.pi / 2, "gamma", "rad")
         in_range(beta, 0.0, 1e6, "beta")
         return cls(gamma, n, beta / physical_beta(gamma), masking)
+
+    @property
+    def lobe(self) -> Any:
+        """The compiled lobe; see ``surface.kernels.LOBE``."""
+        from skinviz.surface import kernels
+
+        return kernels.torrance_sparrow
+
+    @property
+    def constants(self) -> Array:
+        """What the lobe is given."""
+        return np.array([self.beta, self.gamma, float(self.masking != "none")])
 
     @property
     def beta(self) -> float:

@@ -79,7 +79,7 @@ def hands_figure(
             axes.set_title(title)
             axes.set_axis_off()
             # imshow counts from the middles of pixels, a picture from their edges.
-            column_at, row_at = picture.project(point)
+            column_at, row_at = picture.view.project(point)
             at = (column_at - 0.5, row_at - 0.5)
             axes.plot(*at, "o", ms=9, mfc="none", mec="w", mew=1.6)
             axes.plot(*at, "o", ms=11, mfc="none", mec="k", mew=0.7)

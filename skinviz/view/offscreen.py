@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from skinviz._files import whole_file
 from skinviz._system import require_system_libraries
 from skinviz._validate import one_of
 from skinviz.errors import MeshError
-from skinviz.scene.scene import Camera
+from skinviz.scene.camera import Camera, View
+from skinviz.scene.scene import BACKGROUND
 from skinviz.spectra.colorimetry import decode_srgb, encode_srgb
 
 if TYPE_CHECKING:
@@ -22,13 +23,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-BACKGROUND = (46, 46, 46)
-"""A dark neutral surround. [8-bit sRGB]"""
-
 _OVERSAMPLING = 3
 _LARGEST_CANVAS = 16384  # pixels a side that software OpenGL draws
 _ROWS = 64
-_MARGIN = 1.06
 
 
 @dataclass(frozen=True)
@@ -39,32 +36,16 @@ class Picture:
     ----------
     rgb : (height, width, 3) ndarray of uint8
         sRGB.
-    centre : (3,) ndarray
-        The point shown in the middle. [mm]
-    camera : Camera
-        The view.
-    scale : float
-        Pixels per millimetre.
+    view : View
+        Where points of the scene lie in it.
     """
 
     rgb: NDArray[np.uint8]
-    centre: Array
-    camera: Camera
-    scale: float
-
-    def project(self, point: ArrayLike) -> tuple[float, float]:
-        """Return the pixel (column, row), from the top left, of a point [mm]."""
-        offset = np.asarray(point, dtype=np.float64) - self.centre
-        right = np.cross(self.camera.up, self.camera.direction)
-        width, height = self.camera.size
-        return (
-            width / 2 + self.scale * float(offset @ right),
-            height / 2 - self.scale * float(offset @ self.camera.up),
-        )
+    view: View
 
 
 def draw(mesh: pyvista.PolyData, camera: Camera) -> Picture:
-    """Draw a mesh's own ``rgb`` colours, unlit, as one parallel view of it all.
+    """Draw a mesh's own ``rgb`` colours, unlit.
 
     Parameters
     ----------
@@ -92,21 +73,12 @@ def draw(mesh: pyvista.PolyData, camera: Camera) -> Picture:
     import pyvista as pv
 
     points = np.asarray(mesh.points, dtype=np.float64)
-    right = np.cross(camera.up, camera.direction)
-    seen = np.stack([points @ right, points @ camera.up], axis=1)
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    middle = (low + high) / 2
-    depth = points @ camera.direction
-    centre = (
-        middle[0] * right
-        + middle[1] * camera.up
-        + (depth.min() + depth.max()) / 2 * camera.direction
-    )
+    view = camera.view(points)
     width, height = camera.size
-    half = (
-        max((high - low)[1] / 2, (high - low)[0] / 2 * height / width, 1e-9) * _MARGIN
-    )
-    reach = float(np.ptp(depth)) + 2 * half
+    half = view.pixel * height / 2
+    depth = (points - view.target) @ view.direction
+    far = view.distance == np.inf
+    reach = max(float(depth.max()), 0) + 2 * half if far else view.distance
     samples = max(1, min(_OVERSAMPLING, _LARGEST_CANVAS // max(width, height)))
     large = (width * samples, height * samples)
     plotter = pv.Plotter(off_screen=True, window_size=list(large))
@@ -114,16 +86,27 @@ def draw(mesh: pyvista.PolyData, camera: Camera) -> Picture:
         plotter.render_window.SetMultiSamples(0)
         plotter.set_background(BACKGROUND)
         plotter.add_mesh(mesh, scalars="rgb", rgb=True, lighting=False)
-        plotter.camera.parallel_projection = True
-        plotter.camera.focal_point = centre
-        plotter.camera.position = centre + reach * camera.direction
-        plotter.camera.up = camera.up
-        plotter.camera.parallel_scale = half
-        plotter.camera.clipping_range = (reach * 1e-3, 3 * reach)
+        _aim(plotter, view, half, reach)
+        plotter.camera.clipping_range = (
+            max(reach - float(depth.max()), 0) * 0.99 + reach * 1e-4,
+            (reach - float(depth.min())) * 1.01,
+        )
         fine = np.asarray(plotter.screenshot(return_img=True))
     finally:
         plotter.close()
-    return Picture(_averaged(fine, samples), centre, camera, height / (2 * half))
+    return Picture(_averaged(fine, samples), view)
+
+
+def _aim(plotter: pyvista.Plotter, view: View, half: float, reach: float) -> None:
+    """Look along a view from a distance; ``half`` is half the height shown. [mm]"""
+    plotter.camera.focal_point = view.target
+    plotter.camera.position = view.target + reach * view.direction
+    plotter.camera.up = view.up
+    if view.distance == np.inf:
+        plotter.camera.parallel_projection = True
+        plotter.camera.parallel_scale = half
+    else:
+        plotter.camera.view_angle = 2 * np.rad2deg(np.arctan2(half, view.distance))
 
 
 def save_picture(picture: Picture, path: str | os.PathLike[str]) -> Path:

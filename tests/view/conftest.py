@@ -14,6 +14,7 @@ from skinviz import (
     load_archive,
     skin_model,
 )
+from skinviz.scene.camera import View
 from skinviz.view.figures import Site
 from skinviz.view.offscreen import Picture
 
@@ -70,4 +71,5 @@ def picture(scene):
     rgb = np.zeros((height, width, 3), dtype=np.uint8)
     rgb[..., 0] = np.arange(width)
     rgb[..., 1] = np.arange(height)[:, None]
-    return Picture(rgb, np.zeros(3), scene.camera, 1.0)
+    view = View(np.zeros(3), *np.eye(3), np.inf, 1.0, scene.camera.size)
+    return Picture(rgb, view)

@@ -69,7 +69,7 @@ def test_hands_stand_beside_their_spectra(picture, sites, scene):
 
 def test_the_marked_point_is_where_the_picture_shows_it(picture, sites, scene):
     figure = hands(picture, sites[0], scene)
-    column, row = picture.project([5.0, 20.0, 0.0])
+    column, row = picture.view.project([5.0, 20.0, 0.0])
     for axes in figure.axes[:2]:
         for mark in axes.lines:
             # Pixel centres lie at whole numbers in an image's axes.

@@ -10,11 +10,17 @@ from PIL import Image
 from meshes import joined, moved, plane, pose, sphere, toy_hand
 from skinviz import Camera
 from skinviz.errors import SkinvizError, SystemLibraryError
+from skinviz.scene.camera import View
 from skinviz.view import offscreen
 from skinviz.view.offscreen import BACKGROUND, Picture, draw, save_picture
 
 RGB = (200, 100, 50)
 FRONT = Camera([0, 0, 1], [0, 1, 0], (64, 48))
+
+
+def seen(scale=1.0):
+    """The view from the front of the origin at so many pixels a millimetre."""
+    return View(np.zeros(3), *np.eye(3), np.inf, 1 / scale, FRONT.size)
 
 
 def painted(mesh, colour=RGB):
@@ -117,15 +123,15 @@ def test_a_point_is_where_project_says(view, place):
     mesh = bright_spot(moved(plane(81), pose(shift=place)), point, 2.0)
     picture = draw(mesh, VIEWS[view])
     found = middle_of_brightness(picture)
-    np.testing.assert_allclose(found, picture.project(point), atol=0.35)
+    np.testing.assert_allclose(found, picture.view.project(point), atol=0.35)
 
 
 def test_right_is_right_and_up_is_up():
-    picture = Picture(np.zeros((100, 200, 3), np.uint8), np.zeros(3), FRONT, 2.0)
+    picture = Picture(np.zeros((100, 200, 3), np.uint8), seen(2.0))
     size = FRONT.size
-    assert picture.project([0, 0, 0]) == (size[0] / 2, size[1] / 2)
-    assert picture.project([3, 0, 5]) == (size[0] / 2 + 6, size[1] / 2)
-    assert picture.project([0, 3, -9]) == (size[0] / 2, size[1] / 2 - 6)
+    assert tuple(picture.view.project([0, 0, 0])) == (size[0] / 2, size[1] / 2)
+    assert tuple(picture.view.project([3, 0, 5])) == (size[0] / 2 + 6, size[1] / 2)
+    assert tuple(picture.view.project([0, 3, -9])) == (size[0] / 2, size[1] / 2 - 6)
 
 
 @pytest.mark.parametrize("size", [(200, 50), (50, 200), (97, 103)])
@@ -135,7 +141,7 @@ def test_the_whole_mesh_is_in_the_picture(size):
     for _ in range(3):
         camera = Camera(rng.standard_normal(3), rng.standard_normal(3), size)
         picture = draw(mesh, camera)
-        at = np.array([picture.project(p) for p in np.asarray(mesh.points)[::10]])
+        at = np.array([picture.view.project(p) for p in np.asarray(mesh.points)[::10]])
         assert (at > 0).all()
         assert (at < size).all()
         shown = ~is_background(picture.rgb)
@@ -234,7 +240,7 @@ def chunks(content):
 
 def some_picture():
     rgb = np.random.default_rng(0).integers(0, 256, (20, 30, 3), dtype=np.uint8)
-    return Picture(rgb, np.zeros(3), FRONT, 1.0)
+    return Picture(rgb, seen())
 
 
 def test_a_saved_picture_reads_back_and_is_marked_as_srgb(tmp_path):

@@ -1,0 +1,138 @@
+"""Light that one part of the mesh throws on another: one diffuse bounce.
+
+At every vertex the hemisphere is searched along fixed directions, spread as the
+cosine; where one meets the mesh's outside, the light that leaves there diffusely is
+gathered (PHYSICS: E·R·R', with R' of the part that throws it).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from skinviz.rendering import rays, trace
+from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.lighting import Lighting, Spectra
+from skinviz.rendering.plan import Plan
+from skinviz.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+_CHUNK = 2**18  # rays at once
+_RANK = 1e-7  # of the largest, below which a field's share is left out
+
+
+@dataclass(frozen=True, eq=False)
+class Fields:
+    """Light on the vertices as a few numbers each times a few spectra.
+
+    Attributes
+    ----------
+    values : (n_vertices, e) ndarray
+        Of each vertex; e is 0 where there is no such light.
+    spectra : (e, bands) ndarray
+        What they are multiplied by: α times irradiance over π.
+    """
+
+    values: Array
+    spectra: Array
+
+
+def fields_of(
+    scene: Scene, geometry: Geometry, lighting: Lighting, spectra: Spectra, plan: Plan
+) -> Fields:
+    """Return the light that the mesh throws on its own vertices, if declared."""
+    n, bands = len(geometry.points), scene.wavelengths.size
+    if scene.interreflection == "none":
+        return Fields(np.zeros((n, 0)), np.zeros((0, bands)))
+    lit = np.zeros((lighting.rows, n))
+    points, normals = geometry.components
+    visible = trace.vertex_visibility(geometry, lighting) if plan.shadows else None
+    lighting.scalars(points, normals, lit, visible=visible)
+    leaving = lit[: len(lighting.lights)].T
+    if spectra.body is not None:
+        gathered = gather(geometry, leaving, plan.bounce_rays)
+        return Fields(gathered, scene.diffuse_scale * spectra.light * spectra.body)
+    body = scene.skin.model.diffuse(scene.skin.values, scene.wavelengths)
+    gathered = gather(geometry, body * (leaving @ spectra.light), plan.bounce_rays)
+    # Each vertex has a spectrum of its own, of which a few suffice to mix them all.
+    left, size, right = np.linalg.svd(gathered, full_matrices=False)
+    rank = int((size > _RANK * size[0]).sum())
+    return Fields(left[:, :rank] * size[:rank], scene.diffuse_scale * right[:rank])
+
+
+def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
+    """Return the mean over each vertex's hemisphere of what leaves other vertices.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The mesh.
+    leaving : (n, k) ndarray
+        Radiance that leaves each vertex, the same in all directions.
+    n_rays : int
+        Directions a vertex looks in.
+
+    Returns
+    -------
+    gathered : (n, k) ndarray
+        Irradiance from the mesh itself over π, in the unit of ``leaving``.
+    """
+    gathered = np.zeros_like(leaving)
+    local = _cosine_directions(n_rays)
+    step = max(1, _CHUNK // n_rays)
+    for first in range(0, len(leaving), step):
+        part = slice(first, first + step)
+        gathered[part] = _weights(geometry, part, local) @ leaving
+    return gathered
+
+
+def _weights(geometry: Geometry, part: slice, local: Array) -> csr_array:
+    """Return the matrix by which leaving light becomes the mean of what arrives."""
+    normals, points = geometry.normals[part], geometry.points[part]
+    n, n_rays = len(points), len(local)
+    directions = np.einsum("rk,nkx->nrx", local, _frames(normals)).reshape(-1, 3)
+    origins = np.repeat(points + rays.OFFSET * normals, n_rays, axis=0)
+    hits = geometry.embree.run(
+        origins.astype(np.float32),
+        directions.astype(np.float32),
+        query="INTERSECT",
+        output=True,
+    )
+    # Embree's u and v belong to the second and third corner.
+    met = hits["primID"] >= 0
+    met &= np.einsum("ij,ij->i", hits["Ng"], directions) < 0  # else its inside is seen
+    u, v = hits["u"][met], hits["v"][met]
+    columns = geometry.faces[hits["primID"][met]]
+    shares = np.stack([1 - u - v, u, v], axis=1).astype(np.float64) / n_rays
+    rows = np.repeat(np.flatnonzero(met) // n_rays, 3)
+    return csr_array(
+        (shares.ravel(), (rows, columns.ravel())), shape=(n, len(geometry.points))
+    )
+
+
+def _cosine_directions(n: int) -> Array:
+    """Return n directions (n, 3) about z, their density as the cosine: a spiral."""
+    height = np.sqrt((np.arange(n) + 0.5) / n)  # cos² is uniform
+    turn = np.arange(n) * np.pi * (3 - np.sqrt(5))
+    across = np.sqrt(1 - height**2)
+    return np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
+
+
+def _frames(normals: Array) -> Array:
+    """Return right-angled axes (n, 3, 3) whose third is the normal.
+
+    References
+    ----------
+    .. [1] Duff et al., J. Comput. Graph. Tech. 6(1):1 (2017).
+    """
+    x, y, z = normals.T
+    sign = np.where(z >= 0, 1.0, -1.0)
+    a = -1 / (sign + z)
+    b = x * y * a
+    first = np.stack([1 + sign * x * x * a, sign * b, -sign * x], axis=1)
+    second = np.stack([b, sign + y * y * a, -y], axis=1)
+    return np.stack([first, second, normals], axis=1)

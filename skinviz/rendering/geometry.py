@@ -1,0 +1,136 @@
+"""A mesh made ready for shading and for rays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.errors import MeshError
+from skinviz.scan import topology
+from skinviz.scan.checks import require_triangles
+
+if TYPE_CHECKING:
+    import pyvista
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """Triangles with smooth normals, in coordinates that float32 rays can bear.
+
+    A point p of the mesh is at (p − centre)/scale, within −1 to 1 on each axis, so
+    that neither the mesh's size nor its place shows in the rays' rounding.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray
+        Vertices, in these coordinates. [1]
+    faces : (m, 3) ndarray of int32
+        Corners of the triangles.
+    normals : (n, 3) ndarray
+        Unit normals of the vertices, area-weighted; zero where there is none.
+    centre : (3,) ndarray
+        Middle of the mesh's box. [mm]
+    scale : float
+        Half the box's longest side. [mm]
+    centroid : (3,) ndarray
+        Mean of the surface, in these coordinates.
+    """
+
+    points: Array
+    faces: NDArray[np.int32]
+    normals: Array
+    centre: Array
+    scale: float
+    centroid: Array
+
+    @cached_property
+    def embree(self) -> Any:
+        """Embree's tree of the triangles, built when a first ray needs it."""
+        from embreex.mesh_construction import TriangleMesh
+        from embreex.rtcore_scene import EmbreeScene
+
+        scene = EmbreeScene(robust=True)
+        TriangleMesh(scene, self.points.astype(np.float32), self.faces)
+        return scene
+
+    @property
+    def in_mm(self) -> Array:
+        """The vertices (n, 3) in the mesh's own coordinates. [mm]"""
+        return self.centre + self.scale * self.points
+
+    @cached_property
+    def components(self) -> tuple[Array, Array]:
+        """Points and normals as (3, n), for loops that read them a component a row."""
+        return np.ascontiguousarray(self.points.T), np.ascontiguousarray(self.normals.T)
+
+    def within(self, homogeneous: Array) -> Array:
+        """Return a point (4,) of the mesh's space [mm], or at infinity, in these."""
+        x = np.array(homogeneous, dtype=np.float64)
+        x[:3] = (x[:3] - x[3] * self.centre) / (self.scale if x[3] else 1.0)
+        return x
+
+    def winding(self, point: Array) -> float:
+        """Return how often the surface goes round a point: 1 inside, 0 outside.
+
+        References
+        ----------
+        .. [1] A. Van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30:125 (1983).
+        """
+        a, b, c = (self.points[self.faces[:, k]] - point for k in range(3))
+        la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        spread = (
+            la * lb * lc
+            + np.einsum("ij,ij->i", a, b) * lc
+            + np.einsum("ij,ij->i", b, c) * la
+            + np.einsum("ij,ij->i", c, a) * lb
+        )
+        return float(np.arctan2(volume, spread).sum() / (2 * np.pi))
+
+
+def geometry_of(mesh: pyvista.PolyData) -> Geometry:
+    """Prepare a mesh of triangles.
+
+    Parameters
+    ----------
+    mesh : pyvista.PolyData
+        [mm]
+
+    Returns
+    -------
+    geometry : Geometry
+        To be passed to several calls that show one mesh.
+
+    Raises
+    ------
+    MeshError
+        If the mesh is empty, has vertices that are not finite, or no area.
+    """
+    points, faces = require_triangles(mesh, "the scene's mesh")
+    named = np.zeros(len(points), dtype=bool)
+    named[faces] = True
+    used = points[named]
+    low, high = used.min(axis=0), used.max(axis=0)
+    centre, scale = low / 2 + high / 2, float((high - low).max() / 2)
+    if not 0 < scale < np.inf:
+        raise MeshError(
+            "the scene's mesh has no extent; check its unit and its vertices"
+        )
+    inside = (points - centre) / scale
+    area = topology.face_areas(inside, faces)
+    if area.sum() == 0:
+        raise MeshError("no triangle of the scene's mesh has an area; clean it first")
+    return Geometry(
+        points=inside,
+        faces=np.ascontiguousarray(faces, dtype=np.int32),
+        normals=topology.vertex_normals(points, faces),
+        centre=centre,
+        scale=scale,
+        centroid=np.average(inside[faces].mean(axis=1), axis=0, weights=area),
+    )

@@ -1,0 +1,109 @@
+"""From a stage to the light of its pixels, some thousands of them at a time."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz._threads import in_slices
+from skinviz.rendering import kernels, trace
+from skinviz.rendering.expansion import as_single, expand_mapped, require_single
+from skinviz.rendering.stage import Stage
+
+Array = NDArray[np.float64]
+Single = NDArray[np.float32]
+Advance = Callable[[int], object]
+
+_RAYS = 2**16  # that a thread casts in one go
+
+
+def pixel_colours(
+    stage: Stage, pixels: slice, advance: Advance | None = None
+) -> tuple[Single, NDArray[np.uint8]]:
+    """Return XYZ (k, 3) of a range of pixels, and how many of their rays hit (k,)."""
+    n = pixels.stop - pixels.start
+    xyz, covered = np.zeros((n, 3), np.float32), np.zeros(n, np.uint8)
+    spectra = stage.spectra
+    matrix = spectra.products(stage.fields.spectra) @ spectra.colour
+
+    def work(part: slice) -> None:
+        hits = _cast(stage, pixels.start, part)
+        covered[part] = hits.covered
+        if spectra.body is not None:
+            _expand(stage, hits, matrix, xyz[part])
+            return
+        radiance = np.zeros((len(hits.covered), len(spectra.colour)))
+        _expand_mapped(stage, hits, radiance)
+        xyz[part] = radiance @ spectra.colour
+
+    in_slices(work, n, _step(stage), advance)
+    return xyz, covered
+
+
+def pixel_radiance(
+    stage: Stage, pixels: slice, out: Single, advance: Advance | None = None
+) -> None:
+    """Write the radiance (k, bands) of a range of pixels."""
+    spectra = stage.spectra
+    matrix = as_single(spectra.products(stage.fields.spectra))
+
+    def work(part: slice) -> None:
+        hits = _cast(stage, pixels.start, part)
+        if spectra.body is not None:
+            _expand(stage, hits, matrix, out[part])
+        else:
+            _expand_mapped(stage, hits, out[part])
+
+    in_slices(work, pixels.stop - pixels.start, _step(stage), advance)
+
+
+def _step(stage: Stage) -> int:
+    """Return how many pixels a thread works on in one go."""
+    return max(1, _RAYS // stage.plan.samples)
+
+
+def _cast(stage: Stage, start: int, part: slice) -> trace.Hits:
+    """Cast the rays of some pixels."""
+    pixels = np.arange(start + part.start, start + part.stop)
+    block, marked = stage.seen
+    row, column = np.divmod(pixels, stage.view.size[0])
+    asked = np.flatnonzero(marked[row // block, column // block])
+    hits = trace.cast(stage.geometry, stage.view, stage.plan.cells, pixels[asked])
+    covered = np.zeros(pixels.size, dtype=np.uint8)
+    covered[asked] = hits.covered
+    return dataclasses.replace(hits, pixels=asked[hits.pixels], covered=covered)
+
+
+def _scalars(stage: Stage, hits: trace.Hits) -> Array:
+    """Return the scalars (rows + fields, m) of the points hit."""
+    geometry, lighting, fields = stage.geometry, stage.lighting, stage.fields
+    out = np.zeros((lighting.rows + len(fields.spectra), hits.pixels.size))
+    visible = None
+    if stage.plan.shadows:
+        visible = trace.visibility(geometry, lighting, hits.lifted, hits.normals)
+    lighting.scalars(hits.points, hits.normals, out, visible=visible)
+    if len(fields.spectra):
+        out[lighting.rows :] = trace.at_corners(geometry, hits, fields.values)
+    return out
+
+
+def _expand(
+    stage: Stage, hits: trace.Hits, matrix: NDArray[np.floating], out: Single
+) -> None:
+    """Write the mean over pixels of scalars times the rows of a matrix."""
+    scalars = _scalars(stage, hits)
+    require_single(scalars, matrix)
+    kernels.expand(hits.pixels, stage.plan.samples, scalars, matrix, out)
+
+
+def _expand_mapped(stage: Stage, hits: trace.Hits, out: NDArray[np.floating]) -> None:
+    """Write the radiance of pixels whose points each have their own pigments."""
+    scene = stage.scene
+    values = trace.at_corners(stage.geometry, hits, scene.skin.values)
+    body = scene.skin.model.diffuse(values.T, scene.wavelengths)
+    scalars = _scalars(stage, hits)
+    samples = stage.plan.samples
+    expand_mapped(stage, scalars, body, rows=hits.pixels, samples=samples, out=out)

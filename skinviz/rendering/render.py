@@ -1,0 +1,247 @@
+"""``render``: a scene as a picture whose every pixel has a spectrum."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz._validate import in_range
+from skinviz.errors import ArgumentError, SceneWarning
+from skinviz.rendering.colour import DisplayCounts, to_srgb8
+from skinviz.rendering.darkness import why_dark
+from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.imager import Advance, Single, pixel_colours, pixel_radiance
+from skinviz.rendering.plan import Plan
+from skinviz.rendering.stage import Stage, stage_of
+from skinviz.scene.camera import View
+from skinviz.scene.scene import Scene
+from skinviz.spectra.colorimetry import decode_srgb
+
+Array = NDArray[np.float64]
+
+_ROWS = 64  # that are streamed at once, of a picture 1024 pixels wide
+
+
+@dataclass(frozen=True, eq=False)
+class Rendering:
+    """A picture of a scene: its colours, and the spectrum of any pixel on demand.
+
+    Spectra are not kept: they are traced anew where they are asked for, from the same
+    rays, so that a picture costs 13 bytes a pixel however many bands it has.
+
+    Attributes
+    ----------
+    xyz : (height, width, 3) ndarray of float32
+        Tristimulus values of the light from the mesh; Y = 1 is the perfect diffuser
+        that faces light 1 at the mesh's centroid, times the exposure.
+    covered : (height, width) ndarray of uint8
+        How many of a pixel's rays hit the mesh, of ``plan.samples``.
+    notes : tuple of str
+        What the scene's maker should know of it.
+    """
+
+    xyz: Single
+    covered: NDArray[np.uint8]
+    notes: tuple[str, ...]
+    _stage: Stage
+
+    @property
+    def scene(self) -> Scene:
+        """What is shown."""
+        return self._stage.scene
+
+    @property
+    def plan(self) -> Plan:
+        """How it was computed."""
+        return self._stage.plan
+
+    @property
+    def view(self) -> View:
+        """Where points of the scene lie in the picture."""
+        return self._stage.view
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height. [pixels]"""
+        return self.scene.camera.size
+
+    @property
+    def wavelengths(self) -> Array:
+        """Of the spectra. [nm]"""
+        return self.scene.wavelengths
+
+    @property
+    def coverage(self) -> Single:
+        """The share of each pixel that shows the mesh (height, width). [1]"""
+        return self.covered.astype(np.float32) / np.float32(self.plan.samples)
+
+    @cached_property
+    def rgb(self) -> NDArray[np.uint8]:
+        """The picture (height, width, 3) as 8-bit sRGB, before its background."""
+        return self._shown[0]
+
+    @property
+    def counts(self) -> DisplayCounts:
+        """How many pixels of the mesh the display cannot show."""
+        return self._shown[1]
+
+    @cached_property
+    def _shown(self) -> tuple[NDArray[np.uint8], DisplayCounts]:
+        """The picture on its background, and what could not be shown."""
+        free = 1 - self.coverage[..., None]
+        return to_srgb8(
+            self.xyz.astype(np.float64),
+            free * decode_srgb(np.array(self.scene.background) / 255),
+        )
+
+    def radiance(
+        self,
+        where: tuple[int, ...] | None = None,
+        *,
+        out: Single | None = None,
+        advance: Advance | None = None,
+    ) -> Single:
+        """Return the spectral radiance of a pixel, a region or the whole picture.
+
+        Parameters
+        ----------
+        where : (column, row) or (left, top, right, bottom), optional
+            A pixel, or a region up to but without its right and bottom, from the
+            picture's top left. [pixels]
+        out : (rows, columns, bands) ndarray of float32, optional
+            Where to write, C-contiguous.
+        advance : callable, optional
+            Told the number of pixels done.
+
+        Returns
+        -------
+        radiance : (bands,) or (rows, columns, bands) ndarray of float32
+            In units in which the perfect diffuser under light 1 has Y = exposure.
+
+        Raises
+        ------
+        ArgumentError
+            If the pixel or region is not within the picture.
+        """
+        width, _ = self.size
+        left, top, right, bottom = _box(where, self.size)
+        shape = (bottom - top, right - left, self.wavelengths.size)
+        if out is None:
+            out = np.zeros(shape, dtype=np.float32)
+        elif (
+            out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous
+        ):
+            raise ArgumentError(
+                f"out must be a C-contiguous float32 array of shape {shape}; got "
+                f"{out.dtype} {out.shape}"
+            )
+        if shape[1] == width:
+            pixels = slice(top * width, bottom * width)
+            pixel_radiance(self._stage, pixels, out.reshape(-1, shape[2]), advance)
+        else:
+            for row in range(top, bottom):
+                pixels = slice(row * width + left, row * width + right)
+                pixel_radiance(self._stage, pixels, out[row - top], advance)
+        return out[0, 0] if where is not None and len(where) == 2 else out
+
+    def rows(self, advance: Advance | None = None) -> Iterator[Single]:
+        """Yield the spectral radiance of the picture's rows, some at a time.
+
+        Each is (rows, width, bands) float32, top to bottom: pictures whose spectra
+        are larger than the memory are written so. The memory is used again for the
+        next: copy what is to be kept.
+        """
+        width, height = self.size
+        step = max(1, _ROWS * 1024 // width)
+        block = np.zeros((step, width, self.wavelengths.size), dtype=np.float32)
+        for top in range(0, height, step):
+            bottom = min(top + step, height)
+            yield self.radiance(
+                (0, top, width, bottom), out=block[: bottom - top], advance=advance
+            )
+
+
+def render(
+    scene: Scene,
+    plan: Plan | None = None,
+    *,
+    geometry: Geometry | None = None,
+    advance: Advance | None = None,
+) -> Rendering:
+    """Trace a scene's rays and return its picture.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is lit and seen.
+    plan : Plan, optional
+        How finely; 16 samples a pixel with shadows by default.
+    geometry : Geometry, optional
+        Of the scene's mesh, from :func:`geometry_of`: saves its preparation where
+        one mesh is shown several times.
+    advance : callable, optional
+        Told the number of pixels done, as they are.
+
+    Returns
+    -------
+    rendering : Rendering
+        Colours at once, spectra on demand.
+
+    Raises
+    ------
+    MeshError
+        If the mesh is empty, has no extent or a vertex that is not finite.
+    ArgumentError
+        If the eye is inside the mesh, a light stands at its centroid, or the light is
+        more than float32 holds.
+
+    Warns
+    -----
+    SceneWarning
+        If the picture is empty or black, and why; see ``Rendering.notes``.
+    """
+    stage = stage_of(scene, plan, geometry)
+    eye = stage.lighting.eye
+    if eye[3] and abs(stage.geometry.winding(eye[:3])) > 0.5:
+        raise ArgumentError(
+            "the camera is inside the mesh; give view a larger distance, or another "
+            "target"
+        )
+    width, height = scene.camera.size
+    xyz, covered = pixel_colours(stage, slice(0, width * height), advance)
+    shape = (height, width)
+    notes = tuple(why_dark(stage, xyz, covered))
+    for note in notes:
+        warnings.warn(note, SceneWarning, stacklevel=2)
+    return Rendering(xyz.reshape(*shape, 3), covered.reshape(shape), notes, stage)
+
+
+def _box(
+    where: tuple[int, ...] | None, size: tuple[int, int]
+) -> tuple[int, int, int, int]:
+    """Return left, top, right and bottom of a pixel, a region or the whole."""
+    width, height = size
+    if where is None:
+        return 0, 0, width, height
+    if len(where) not in (2, 4):
+        raise ArgumentError(
+            f"radiance takes (column, row) or (left, top, right, bottom); got {where!r}"
+        )
+    for value in where:
+        in_range(value, 0, max(size), "a pixel's column or row")
+        if value != int(value):
+            raise ArgumentError(
+                f"columns and rows must be whole numbers; got {where!r}"
+            )
+    left, top, *ends = (int(value) for value in where)
+    right, bottom = ends or (left + 1, top + 1)
+    if not (left < right <= width and top < bottom <= height):
+        raise ArgumentError(
+            f"{where!r} is not within the picture of {width} x {height} pixels"
+        )
+    return left, top, right, bottom

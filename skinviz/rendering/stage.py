@@ -1,0 +1,100 @@
+"""A scene made ready: everything that its points and pixels have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.rendering.bounce import Fields, fields_of
+from skinviz.rendering.geometry import Geometry, geometry_of
+from skinviz.rendering.lighting import Lighting, Spectra, lighting_of, spectra_of
+from skinviz.rendering.plan import Plan
+from skinviz.rendering.trace import seen_blocks
+from skinviz.scene.camera import View
+from skinviz.scene.lights import Light
+from skinviz.scene.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A scene, and what follows from it once for all of its points.
+
+    Attributes
+    ----------
+    scene : Scene
+        What is lit and seen.
+    plan : Plan
+        How finely.
+    geometry : Geometry
+        Of its mesh.
+    view : View
+        Who looks. [mm]
+    lighting : Lighting
+        What depends on place.
+    spectra : Spectra
+        What depends on wavelength.
+    fields : Fields
+        Light that the mesh throws on itself.
+    """
+
+    scene: Scene
+    plan: Plan
+    geometry: Geometry
+    view: View
+    lighting: Lighting
+    spectra: Spectra
+    fields: Fields
+
+    @cached_property
+    def seen(self) -> tuple[int, NDArray[np.bool_]]:
+        """The blocks of pixels that may see the mesh; see ``trace.seen_blocks``."""
+        return seen_blocks(self.geometry, self.view)
+
+    def relit(self, lights: Iterable[Light]) -> Stage:
+        """Return the stage under other lights: what a light that moves costs."""
+        scene = self.scene.replace(lights=tuple(lights))
+        return _lit(scene, self.plan, self.geometry, self.view)
+
+
+def stage_of(
+    scene: Scene, plan: Plan | None = None, geometry: Geometry | None = None
+) -> Stage:
+    """Make a scene ready.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is lit and seen.
+    plan : Plan, optional
+        How finely; ``Plan()`` by default.
+    geometry : Geometry, optional
+        Of the scene's mesh, where it is at hand from :func:`geometry_of`.
+
+    Returns
+    -------
+    stage : Stage
+        To be shaded or traced.
+
+    Raises
+    ------
+    MeshError
+        If the mesh is empty, has no extent or a vertex that is not finite.
+    ArgumentError
+        If a light stands at the mesh's centroid, or the eye within the mesh's reach
+        where all of it is to be seen.
+    """
+    geometry = geometry or geometry_of(scene.mesh)
+    view = scene.camera.view(geometry.in_mm)
+    return _lit(scene, plan or Plan(), geometry, view)
+
+
+def _lit(scene: Scene, plan: Plan, geometry: Geometry, view: View) -> Stage:
+    """Return the stage with what its lights and skin make of it."""
+    lighting = lighting_of(scene, geometry, view.homogeneous)
+    spectra = spectra_of(scene)
+    fields = fields_of(scene, geometry, lighting, spectra, plan)
+    return Stage(scene, plan, geometry, view, lighting, spectra, fields)

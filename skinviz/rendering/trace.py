@@ -1,0 +1,160 @@
+"""From pixels to what their rays see: points of the skin and the light there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.rendering import rays
+from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.lighting import Lighting
+from skinviz.scene.camera import View
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+_BLOCKS = 64  # along the longer side of a picture
+
+
+@dataclass(frozen=True, eq=False)
+class Hits:
+    """What the rays of some pixels hit, each hit on the mesh's outside.
+
+    Attributes
+    ----------
+    pixels : (m,) ndarray
+        Which of the pixels asked for each hit belongs to, ascending.
+    triangles : (m,) ndarray
+        What is hit.
+    weights : (3, m) ndarray
+        Of the triangle's corners at the point.
+    points, normals : (3, m) ndarray
+        The point, in the geometry's coordinates, and its smooth unit normal.
+    lifted : (3, m) ndarray
+        Where shadow rays of the point start.
+    covered : (pixels,) ndarray of uint8
+        How many rays of each pixel hit the mesh at all.
+    """
+
+    pixels: Whole
+    triangles: NDArray[np.int32]
+    weights: Array
+    points: Array
+    normals: Array
+    lifted: Array
+    covered: NDArray[np.uint8]
+
+
+def cast(geometry: Geometry, view: View, cells: Array, pixels: Whole) -> Hits:
+    """Cast the rays of pixels.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        What is hit.
+    view : View
+        Who looks. [mm]
+    cells : (samples, 2) ndarray
+        Places in a pixel. [pixels]
+    pixels : (k,) ndarray of int64
+        Row × width + column, ascending.
+    """
+    frame, size = _frame(view, geometry), np.array(view.size)
+    n = pixels.size * len(cells)
+    origins, directions = (np.zeros((n, 3), dtype=np.float32) for _ in range(2))
+    rays.start_rays(frame, size, cells, pixels, origins, directions)
+    triangles = geometry.embree.run(origins, directions, query="INTERSECT")
+    m = rays.count_hits(triangles)
+    hit = np.zeros(m, dtype=np.int64)
+    weights, points, normals, lifted = np.zeros((4, 3, m))
+    m = rays.hit_points(
+        *(triangles, frame, size, cells, pixels),
+        *(geometry.points, geometry.faces, geometry.normals),
+        *(hit, weights, points, normals, lifted),
+    )
+    covered = (triangles >= 0).reshape(pixels.size, -1).sum(axis=1, dtype=np.uint8)
+    return Hits(
+        hit[:m] // len(cells),
+        triangles[hit[:m]],
+        weights[:, :m],
+        points[:, :m],
+        normals[:, :m],
+        lifted[:, :m],
+        covered,
+    )
+
+
+def seen_blocks(geometry: Geometry, view: View) -> tuple[int, NDArray[np.bool_]]:
+    """Return a size of blocks of pixels, and which (rows, columns) may see the mesh."""
+    width, height = view.size
+    block = -(-max(width, height) // _BLOCKS)
+    marked = np.zeros((-(-height // block), -(-width // block)), dtype=bool)
+    points = geometry.in_mm
+    nearness = 1 - (points - view.target) @ view.direction / view.distance
+    if nearness.min() < 1e-3:  # beside or behind the eye, where nothing is projected
+        marked[:] = True
+    else:
+        rays.mark_blocks(view.project(points), geometry.faces, block, marked)
+    return block, marked
+
+
+def visibility(
+    geometry: Geometry, lighting: Lighting, lifted: Array, normals: Array
+) -> NDArray[np.uint8]:
+    """Return which lights (n_lights, n) nothing hides from points (3, n).
+
+    Parameters
+    ----------
+    geometry : Geometry
+        What may stand between.
+    lighting : Lighting
+        The lights.
+    lifted, normals : (3, n) ndarray
+        Where shadow rays start; the normals of the points.
+
+    Returns
+    -------
+    visible : (n_lights, n) ndarray of uint8
+        0 also where the point faces away from the light.
+    """
+    n = lifted.shape[1]
+    visible = np.zeros((len(lighting.lights), n), dtype=np.uint8)
+    origins, directions = (np.zeros((n, 3), dtype=np.float32) for _ in range(2))
+    lengths, asked = np.zeros(n, dtype=np.float32), np.zeros(n, dtype=np.int64)
+    for seen, light in zip(visible, lighting.lights, strict=True):
+        m = rays.shadow_rays(
+            lifted, normals, light, asked, origins, directions, lengths
+        )
+        hidden: Any = geometry.embree.run(
+            origins[:m], directions[:m], query="OCCLUDED", dists=lengths[:m]
+        )
+        seen[asked[:m]] = hidden < 0
+    return visible
+
+
+def vertex_visibility(geometry: Geometry, lighting: Lighting) -> NDArray[np.uint8]:
+    """Return which lights (n_lights, n) nothing hides from the vertices."""
+    points, normals = geometry.components
+    return visibility(geometry, lighting, points + rays.OFFSET * normals, normals)
+
+
+def at_corners(geometry: Geometry, hits: Hits, fields: Array) -> Array:
+    """Return fields (n, e), given at the vertices, at the points hit: (e, m)."""
+    out = np.zeros((fields.shape[1], hits.triangles.size))
+    rays.interpolate(hits.triangles, geometry.faces, hits.weights, fields, out)
+    return out
+
+
+def _frame(view: View, geometry: Geometry) -> Array:
+    """Return a view in the geometry's coordinates, as the compiled loops want it."""
+    scale = geometry.scale
+    return np.stack(
+        [
+            (view.target - geometry.centre) / scale,
+            *(view.right, view.up, view.direction),
+            [view.distance / scale, view.pixel / scale, 0.0],
+        ]
+    )
