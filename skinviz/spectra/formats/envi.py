@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError, DataError
 from skinviz.spectra.formats.envi_header import (
+    PICTURE_FIELD,
     choice,
     count,
     header_text,
@@ -60,6 +61,11 @@ _FILE_TYPES = ("envi", "envi standard")
 def read(file: Path) -> RawSpectra:
     """Return the cube; 8- and 16-bit integers and float32 become float32."""
     header = read_header(file)
+    if PICTURE_FIELD in header:
+        raise DataError(
+            f"{file}: has the radiance of a picture that skinviz computed, which is no "
+            "reflectance; divide it by that of white first"
+        )
     cube = _stored(header, file)
     bands = cube.shape[-1]
     unit = header.get("wavelength units")

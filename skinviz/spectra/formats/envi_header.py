@@ -10,6 +10,9 @@ from pathlib import Path
 from skinviz.errors import ArgumentError, DataError
 from skinviz.spectra.formats.raw import number, read_text
 
+PICTURE_FIELD = "skinviz picture"
+"""Field of a header in which a computed picture says how it was made."""
+
 _AT_MOST = 2**24  # bytes
 _LINE = 88  # characters; some readers take no more than 10,000
 
