@@ -3,12 +3,26 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from skinviz.errors import SkinvizError
+
+_FULL = "free some space there or write to another disk"
+_FORBIDDEN = "write to a folder that you may write to"
+_ADVICE = {
+    errno.ENOSPC: _FULL,
+    errno.EDQUOT: _FULL,
+    errno.EFBIG: "write to a disk that holds larger files, or raise the limit (ulimit)",
+    errno.EACCES: _FORBIDDEN,
+    errno.EPERM: _FORBIDDEN,
+    errno.EROFS: _FORBIDDEN,
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.EISDIR: "give the name of a file",
+}
 
 
 def existing_file(path: str | os.PathLike[str], error: type[SkinvizError]) -> Path:
@@ -32,24 +46,78 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     The suffix is kept, because libraries choose the format by it. On any error
     the temporary file is removed and ``path`` is left as it was.
     """
-    target = Path(path)
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(
-            prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
-        )
-    except OSError as error:
-        raise SkinvizError(f"cannot write {target}: {error.strerror}") from error
-    os.close(handle)
-    partial = Path(name)
-    try:
+    with whole_files(path) as (partial,):
         yield partial
-        partial.chmod(0o666 & ~_umask())
-        partial.replace(target)
+
+
+@contextlib.contextmanager
+def whole_files(*paths: str | os.PathLike[str]) -> Iterator[tuple[Path, ...]]:
+    """Yield temporary paths of files that belong together, as :func:`whole_file` does.
+
+    On success they take their names in the order given. On any error, also one
+    while the names are taken, all of ``paths`` are left as they were.
+    """
+    targets = [Path(path) for path in paths]
+    partials: list[Path] = []
+    try:
+        for target in targets:
+            partials.append(_partial(target))  # noqa: PERF401, what is made is removed
+        yield tuple(partials)
+        _take_names(partials, targets)
     except OSError as error:
-        raise SkinvizError(f"cannot write {target}: {error}") from error
+        names = " and ".join(map(str, targets))
+        raise SkinvizError(f"cannot write {names}: {_told(error)}") from error
     finally:
-        partial.unlink(missing_ok=True)
+        for partial in partials:
+            partial.unlink(missing_ok=True)
+
+
+def _partial(target: Path) -> Path:
+    """Return a new file beside a target that may become a file."""
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "it is a folder")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(
+        prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent
+    )
+    os.close(handle)
+    return Path(name)
+
+
+def _take_names(partials: Sequence[Path], targets: Sequence[Path]) -> None:
+    """Give every file its name or, where one cannot have it, none."""
+    last = targets[-1]
+    former: list[tuple[Path, Path | None]] = []
+    try:
+        for partial, target in zip(partials, targets, strict=True):
+            partial.chmod(0o666 & ~_umask())
+            if target is not last:  # after the last there is nothing to fail
+                former.append((target, _set_aside(target, partial)))
+            partial.replace(target)
+    except BaseException:
+        for target, kept in reversed(former):
+            if kept is not None:
+                kept.replace(target)
+            else:
+                target.unlink(missing_ok=True)
+        raise
+    for _, kept in former:
+        if kept is not None:
+            kept.unlink()
+
+
+def _set_aside(target: Path, partial: Path) -> Path | None:
+    """Return the name that an existing file is kept under meanwhile."""
+    if not target.exists():
+        return None
+    return target.replace(partial.with_name(f"{partial.name}~"))
+
+
+def _told(error: OSError) -> str:
+    """Return what went wrong and what to do about it."""
+    what = error.strerror or str(error)
+    advice = _ADVICE.get(error.errno or 0, "check the folder and its free space")
+    return f"{what}; {advice}"
 
 
 def _umask() -> int:

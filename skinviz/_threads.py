@@ -25,7 +25,7 @@ def in_slices(
         Told the number of rows of each slice that is done, in order.
     """
     slices = [slice(i, min(i + size, n)) for i in range(0, n, size)]
-    threads = min(len(slices), _processors())
+    threads = min(len(slices), processors())
     if threads <= 1:
         done = map(work, slices)
         _report(done, slices, advance)
@@ -38,6 +38,13 @@ def in_slices(
             raise
 
 
+def processors() -> int:
+    """Return how many processors this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
 def _report(
     results: Iterable[object],
     slices: list[slice],
@@ -47,10 +54,3 @@ def _report(
     for _, part in zip(results, slices, strict=True):
         if advance is not None:
             advance(part.stop - part.start)
-
-
-def _processors() -> int:
-    """Return how many processors this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 HEAVY = {
     *("pyvista", "vtkmodules", "pymeshlab", "matplotlib", "scipy", "xarray", "pandas"),
     *("trimesh", "embreex", "rich", "cyclopts", "colour", "numba", "serial"),
+    *("PIL", "OpenEXR", "tifffile"),
 }
 
 

@@ -17,7 +17,8 @@ from skinviz.errors import ArgumentError
 from skinviz.skin.fitted import Fitted, as_dataset, as_rows
 from skinviz.skin.report import derived
 from skinviz.skin.skin_fit import STATUSES, SkinFit
-from skinviz.spectra.formats.envi import RAW_SUFFIXES
+from skinviz.spectra.formats import envi_raw
+from skinviz.spectra.formats.envi_header import header_text
 
 FIT_SUFFIXES = (".json", ".csv", ".nc", ".hdr")
 """What a fit can be written as; .hdr holds the maps of one cube."""
@@ -72,33 +73,25 @@ def write_fit_maps(path: str | os.PathLike[str], item: Fitted) -> Path:
             f"{file}: an ENVI header holds the maps of a cube, and {item.file} is a "
             "list of spectra; write .csv, .json or .nc"
         )
-    raw = file.with_suffix(MAPS_RAW)
-    require_free(file)
     bands = [band for fit in item.fits for band in _bands(fit, len(item.fits) > 1)]
     lines, samples = item.fits[0].status.shape
-    text = _header([name for name, _ in bands], lines, samples, item)
-    # The inner file takes its name first: no header without its raw file.
-    with whole_file(file) as head, whole_file(raw) as body:
-        head.write_text(text, encoding="utf-8")
-        with body.open("wb") as stream:
-            for _, values in bands:
-                values.astype("<f4").tofile(stream)
+    text = header_text(
+        (lines, samples, len(bands)),
+        "bsq",
+        {
+            "description": _description(item),
+            "data ignore value": "nan",
+            "band names": [name for name, _ in bands],
+        },
+        file,
+    )
+    envi_raw.write_pair(file, MAPS_RAW, text, (values for _, values in bands))
     return file
 
 
 def require_free(file: Path) -> None:
     """Refuse a header beside whose name some other raw file lies."""
-    own = file.with_suffix(MAPS_RAW)
-    stem = file.with_suffix("")
-    others = [stem, *(file.with_suffix(suffix) for suffix in RAW_SUFFIXES)]
-    if file.exists():
-        others.remove(own)
-    for other in others:
-        if other.is_file():
-            raise ArgumentError(
-                f"{file}: {other.name} lies beside it and would be lost or taken for "
-                "its raw file; choose another name"
-            )
+    envi_raw.require_free(file, MAPS_RAW)
 
 
 def _bands(fit: SkinFit, several: bool) -> list[tuple[str, NDArray[np.float64]]]:
@@ -112,26 +105,12 @@ def _bands(fit: SkinFit, several: bool) -> list[tuple[str, NDArray[np.float64]]]
     return [(start + name, values) for name, values in maps.items()]
 
 
-def _header(names: list[str], lines: int, samples: int, item: Fitted) -> str:
-    """Return the text of the header."""
+def _description(item: Fitted) -> str:
+    """Return what the maps are, on one line without braces."""
     model = item.fits[0].model
     codes = ", ".join(f"{i} {status}" for i, status in enumerate(STATUSES))
     told = (
         f"pigments fitted by skinviz to {Path(item.file).name}; specular "
         f"{model.specular}, coefficients {model.coefficients.name}; status: {codes}"
     )
-    plain = " ".join(told.translate(str.maketrans("{}", "()")).split())
-    header = {
-        "description": f"{{{plain}}}",
-        "samples": samples,
-        "lines": lines,
-        "bands": len(names),
-        "header offset": 0,
-        "file type": "ENVI Standard",
-        "data type": 4,
-        "interleave": "bsq",
-        "byte order": 0,
-        "data ignore value": "nan",
-        "band names": f"{{{', '.join(names)}}}",
-    }
-    return "ENVI\n" + "".join(f"{key} = {value}\n" for key, value in header.items())
+    return " ".join(told.translate(str.maketrans("{}", "()")).split())

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from skinviz._files import existing_file
 from skinviz._validate import one_of
 from skinviz.errors import ArgumentError, DataError, SkinvizError
-from skinviz.spectra.formats import FORMATS, envi
+from skinviz.spectra.formats import FORMATS
+from skinviz.spectra.formats.envi_raw import RAW_SUFFIXES
 from skinviz.spectra.formats.raw import CUBE, LIST, SCALES, Format, RawSpectra
 from skinviz.spectra.measurement import as_specular
 from skinviz.spectra.plausible import (
@@ -146,7 +147,7 @@ def _format_of(file: Path, error: type[SkinvizError]) -> Format:
     if suffix in FORMATS:
         return FORMATS[suffix]
     known = ", ".join(FORMATS)
-    if suffix in envi.RAW_SUFFIXES:
+    if suffix in RAW_SUFFIXES:
         raise error(
             f"{file}: a raw cube is known by its ENVI header beside it; give "
             f"{file.with_suffix('.hdr').name}, and write the header if there is none"

@@ -6,15 +6,23 @@ grid of wavelengths stays, and a fit leaves such bands out.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._files import whole_file
 from skinviz.errors import ArgumentError, DataError
-from skinviz.spectra.formats.envi_header import choice, count, numbers, read_header
+from skinviz.spectra.formats.envi_header import (
+    PICTURE_FIELD,
+    choice,
+    count,
+    header_text,
+    numbers,
+    read_header,
+)
+from skinviz.spectra.formats.envi_raw import blocks_of_lines, raw_file, write_pair
 from skinviz.spectra.formats.raw import (
     CUBE,
     RawSpectra,
@@ -30,10 +38,6 @@ if TYPE_CHECKING:
 
 KINDS, MISSING = (CUBE,), True
 
-RAW_SUFFIXES = (".bip", ".bil", ".bsq", ".img", ".dat", ".raw", ".bin")
-"""How the raw file beside a header may end; it may also have no suffix."""
-
-_BLOCK = 2**22  # bytes converted at once, which bounds the memory beside the cube
 # ENVI's codes of data types, except the complex ones 6 and 9.
 _TYPES = dict(
     zip(
@@ -57,6 +61,11 @@ _FILE_TYPES = ("envi", "envi standard")
 def read(file: Path) -> RawSpectra:
     """Return the cube; 8- and 16-bit integers and float32 become float32."""
     header = read_header(file)
+    if PICTURE_FIELD in header:
+        raise DataError(
+            f"{file}: has the radiance of a picture that skinviz computed, which is no "
+            "reflectance; divide it by that of white first"
+        )
     cube = _stored(header, file)
     bands = cube.shape[-1]
     unit = header.get("wavelength units")
@@ -83,50 +92,26 @@ def read(file: Path) -> RawSpectra:
 
 def write(file: Path, spectra: xarray.Dataset) -> None:
     """Write float32, band-interleaved by pixel, 0–1; NaN marks missing values."""
-    raw = file.with_suffix(".bip")
-    others = [other for other in _raw_files(file) if other != raw]
-    if others:
-        raise ArgumentError(
-            f"{file}: {others[0].name} lies beside it and would be taken for its raw "
-            "file; choose another name"
-        )
     reflectance = spectra["reflectance"].values
-    text = _header_text(spectra, file)
-    # The inner file takes its name first: no header without its raw file.
-    with whole_file(file) as head, whole_file(raw) as body:
-        head.write_text(text, encoding="utf-8")
-        with body.open("wb") as stream:
-            for block in _blocks(len(reflectance), reflectance[0].size * 4):
-                with np.errstate(over="ignore"):
-                    part = reflectance[block].astype("<f4")
-                if np.isinf(part).any():
-                    raise ArgumentError(f"{file}: a value is too large for float32")
-                part.tofile(stream)
-
-
-def _header_text(spectra: xarray.Dataset, file: Path) -> str:
-    """Return the header of a float32 cube, band-interleaved by pixel."""
     notes = notes_to_write(spectra, file)
-    if any(mark in text for text in notes.values() for mark in "{}"):
-        raise ArgumentError(f"{file}: an attribute has a brace, which .hdr cannot hold")
-    lines, samples, bands = spectra["reflectance"].shape
-    nm = ", ".join(repr(float(value)) for value in spectra["wavelength"].values)
-    header = {
-        "description": f"{{{notes.get('comment', '')}}}",
-        "samples": samples,
-        "lines": lines,
-        "bands": bands,
-        "header offset": 0,
-        "file type": "ENVI Standard",
-        "data type": 4,
-        "interleave": "bip",
-        "byte order": 0,
+    fields: dict[str, object] = {
         "reflectance scale factor": 1,
         "data ignore value": "nan",
         "wavelength units": "Nanometers",
-        "wavelength": f"{{{nm}}}",
-    } | {_KEYS[key]: text for key, text in notes.items() if key != "comment"}
-    return "ENVI\n" + "".join(f"{key} = {value}\n" for key, value in header.items())
+        "wavelength": spectra["wavelength"].values.astype(np.float64).tolist(),
+    } | {_KEYS[key]: text for key, text in notes.items()}
+    text = header_text(reflectance.shape, "bip", fields, file)
+    write_pair(file, ".bip", text, _as_float32(reflectance, file))
+
+
+def _as_float32(values: NDArray[Any], file: Path) -> Iterator[NDArray[np.float32]]:
+    """Yield blocks of lines of a cube, none of a value that overflows."""
+    for block in blocks_of_lines(len(values), values[0].size * 4):
+        with np.errstate(over="ignore"):
+            part = values[block].astype(np.float32)
+        if np.isinf(part).any():
+            raise ArgumentError(f"{file}: a value is too large for float32")
+        yield part
 
 
 def _stored(header: dict[str, str], file: Path) -> NDArray[Any]:
@@ -142,7 +127,7 @@ def _stored(header: dict[str, str], file: Path) -> NDArray[Any]:
     dtype = np.dtype(order + _TYPES[code])
     shape = [count(header, name, file) for name in ("lines", "samples", "bands")]
     offset = count(header, "header offset", file) if "header offset" in header else 0
-    raw = _raw_file(file)
+    raw = raw_file(file)
     expected = offset + int(np.prod([*map(int, shape)], dtype=object)) * dtype.itemsize
     size = raw.stat().st_size
     if 0 in shape or size != expected:
@@ -157,35 +142,6 @@ def _stored(header: dict[str, str], file: Path) -> NDArray[Any]:
     except (OSError, ValueError) as error:
         raise DataError(f"{raw}: cannot be read: {error}") from error
     return np.transpose(cube, axes)
-
-
-def _raw_file(file: Path) -> Path:
-    """Return the one raw file that belongs to a header."""
-    found = _raw_files(file)
-    if len(found) == 1:
-        return found[0]
-    if found:
-        names = ", ".join(sorted(path.name for path in found))
-        raise DataError(f"{file}: {names} may all be its raw file; keep one beside it")
-    raise DataError(
-        f"{file}: no raw file beside it; expected {file.stem} alone or with one of "
-        f"{', '.join(RAW_SUFFIXES)}"
-    )
-
-
-def _raw_files(file: Path) -> list[Path]:
-    """Return the files that may be a header's raw file."""
-    if not file.parent.is_dir():
-        return []
-    return [
-        path
-        for path in file.parent.iterdir()
-        if (
-            path.name == file.stem
-            or (path.stem == file.stem and path.suffix.lower() in RAW_SUFFIXES)
-        )
-        and path.is_file()
-    ]
 
 
 def _converted(
@@ -204,19 +160,13 @@ def _converted(
     with np.errstate(all="ignore"):
         if ignored is not None and cube.dtype.kind == "f":
             ignored = float(cube.dtype.type(ignored))
-        for block in _blocks(lines, samples * bands * cube.dtype.itemsize):
+        for block in blocks_of_lines(lines, samples * bands * cube.dtype.itemsize):
             part = cube[block]
             values[block] = part
             if ignored is not None:
                 values[block][part == ignored] = np.nan
     values[..., bad] = np.nan
     return values
-
-
-def _blocks(lines: int, bytes_a_line: int) -> list[slice]:
-    """Return slices of lines that hold about ``_BLOCK`` bytes each."""
-    step = max(1, _BLOCK // max(bytes_a_line, 1))
-    return [slice(i, i + step) for i in range(0, lines, step)]
 
 
 def _bad_bands(header: dict[str, str], bands: int, file: Path) -> NDArray[np.bool_]:

@@ -1,15 +1,20 @@
-"""The text header of ENVI files: its fields, and numbers in them."""
+"""The text header of ENVI files: its fields, numbers in them, and its writing."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+import textwrap
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from skinviz.errors import DataError
+from skinviz.errors import ArgumentError, DataError
 from skinviz.spectra.formats.raw import number, read_text
 
+PICTURE_FIELD = "skinviz picture"
+"""Field of a header in which a computed picture says how it was made."""
+
 _AT_MOST = 2**24  # bytes
+_LINE = 88  # characters; some readers take no more than 10,000
 
 
 def read_header(file: Path) -> dict[str, str]:
@@ -72,3 +77,58 @@ def numbers(header: dict[str, str], name: str, bands: int, file: Path) -> list[f
             "each"
         )
     return [number(cell.strip(), f"{file}, {name!r}") for cell in cells]
+
+
+def header_text(
+    shape: tuple[int, int, int],
+    interleave: str,
+    fields: Mapping[str, object],
+    file: Path,
+) -> str:
+    """Return the header of a float32 file, least significant byte first.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Lines, samples and bands.
+    interleave : str
+        The stored order, such as ``bip``.
+    fields : mapping
+        What else it says; lists, and ``description``, are put in braces.
+    file : Path
+        The header's name, for messages.
+
+    Raises
+    ------
+    ArgumentError
+        If a field has a brace, by which a list would end too early.
+    """
+    lines, samples, bands = shape
+    layout = {
+        "description": "",
+        "samples": samples,
+        "lines": lines,
+        "bands": bands,
+        "header offset": 0,
+        "file type": "ENVI Standard",
+        "data type": 4,
+        "interleave": interleave,
+        "byte order": 0,
+    }
+    told = {
+        key: _shown(key, value, file) for key, value in {**layout, **fields}.items()
+    }
+    return "ENVI\n" + "".join(f"{key} = {value}\n" for key, value in told.items())
+
+
+def _shown(key: str, value: object, file: Path) -> str:
+    """Return a field's value as it is written."""
+    several = isinstance(value, list)
+    text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+    if "{" in text or "}" in text:
+        raise ArgumentError(f"{file}: {key!r} has a brace, which .hdr cannot hold")
+    if key == "description":
+        return f"{{{text}}}"
+    if not several:
+        return text
+    return f"{{{textwrap.fill(text, _LINE, break_on_hyphens=False)}}}"

@@ -268,6 +268,22 @@ def test_another_raw_file_is_not_left_to_be_mistaken(tmp_path, cube):
     assert_allclose(read_spectra(path).reflectance, VALUES, rtol=1e-7)
 
 
+def test_a_raw_file_without_a_header_is_not_overwritten(tmp_path):
+    (tmp_path / "hand.bip").write_bytes(b"mine")
+    with pytest.raises(ArgumentError, match=r"hand\.bip lies beside it and would be l"):
+        write_spectra(tmp_path / "hand.hdr", CUBE)
+    assert (tmp_path / "hand.bip").read_bytes() == b"mine"
+
+
+def test_many_bands_are_written_on_lines_that_readers_take(tmp_path):
+    wavelengths = np.linspace(380, 1000, 3001)
+    cube = spectra_cube(np.full((1, 1, 3001), 0.5), wavelengths)
+    path = write_spectra(tmp_path / "hand.hdr", cube)
+    assert max(map(len, path.read_text().splitlines())) < 120
+    assert_array_equal(read_spectra(path).wavelength, wavelengths)
+    assert spectral.io.envi.open(str(path)).bands.centers == wavelengths.tolist()
+
+
 # --- refusals ------------------------------------------------------------------
 
 REFUSED = {
