@@ -63,6 +63,7 @@ def compiled(signature: Any = None) -> Callable[[Callable[..., Any]], Any]:
 def _folder_stamp(folder: Path) -> str:
     """Return a mark of the Python sources in a folder, and of how they are compiled."""
     digest = hashlib.sha1(usedforsecurity=False)
-    for file in (Path(__file__), *sorted(folder.glob("*.py"))):
+    shared = (Path(__file__), Path(__file__).with_name("_vector_math.py"))
+    for file in (*shared, *sorted(folder.glob("*.py"))):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:12]

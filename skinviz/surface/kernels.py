@@ -9,6 +9,7 @@ import numpy as np
 from numba import types
 
 from skinviz._compile import compiled, inlined
+from skinviz._vector_math import angle, decay
 
 _VECTOR = types.float64[::1]
 _SIGNATURE = types.void(_VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR, _VECTOR)
@@ -38,10 +39,11 @@ def torrance_sparrow(
     beta, gamma, masked = constants[0], constants[1], constants[2]
     for i in range(out.size):
         nv = max(NV[i], 1e-3)
-        angle = math.atan2(SH[i], NH[i]) / gamma
+        turn = angle(SH[i], NH[i]) / gamma
         spread = 1 / nv
         if masked != 0:
             doubled = 2 * max(NH[i], 0.0) / max(VH[i], 1e-12)
             spread = min(spread, doubled, doubled * NL[i] / nv)
-        lit = beta * math.exp(-_LN2 * angle * angle) * spread
+        facets, _ = decay(_LN2 * turn * turn)
+        lit = beta * facets * spread
         out[i] = lit if NL[i] > 0 else 0.0
