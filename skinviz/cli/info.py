@@ -75,7 +75,7 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
             f"masking {surface.masking}"
         ),
         "lights": [
-            f"{light.illuminant}, strength {light.strength:g}, {light.place}"
+            f"{light.spectrum.name}, strength {light.strength:g}, {light.place}"
             for light in scene.lights
         ],
         "view": (

@@ -159,7 +159,7 @@ def light_spectra(scene: Scene) -> Array:
     seen = cmfs[:, 1] * band_widths(scene.wavelengths)
 
     def unit_luminance(light: Light) -> Array:
-        spd = light.illuminant.spd(scene.wavelengths)
+        spd = light.spectrum.spd(scene.wavelengths)
         xyz_weights(scene.wavelengths, spd, scene.observer)  # refuses unseen light
         return np.asarray(spd / (spd @ seen))
 

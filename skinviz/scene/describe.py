@@ -65,7 +65,7 @@ def _light(light: Light) -> dict[str, Any]:
     *at, near = light.homogeneous.tolist()
     return {
         "position_mm" if near else "direction": at,
-        "illuminant": light.illuminant.name,
+        "illuminant": light.spectrum.name,
         "strength": float(light.strength),
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ class DirectionalLight:
         From the mesh towards the light; scaled to length 1.
     illuminant : str or Illuminant
         Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", or
-        measured; kept as an :class:`Illuminant`.
+        measured.
     strength : float
         Irradiance, in units of the first light's. [1], > 0
     """
@@ -40,8 +41,13 @@ class DirectionalLight:
         object.__setattr__(
             self, "direction", unit_vector(self.direction, "light direction")
         )
-        object.__setattr__(self, "illuminant", as_illuminant(self.illuminant))
+        as_illuminant(self.illuminant)
         in_range(self.strength, 1e-30, 1e30, "light strength")
+
+    @cached_property
+    def spectrum(self) -> Illuminant:
+        """Its relative spectral power."""
+        return as_illuminant(self.illuminant)
 
     @property
     def place(self) -> str:
@@ -64,7 +70,7 @@ class PointLight:
         In the mesh's coordinates. [mm]
     illuminant : str or Illuminant
         Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", or
-        measured; kept as an :class:`Illuminant`.
+        measured.
     strength : float
         Irradiance of a plate that faces the light at the mesh's centroid, in units
         of the first light's. [1], > 0
@@ -83,8 +89,13 @@ class PointLight:
                 f"got {self.position!r}; give a farther light's direction"
             )
         object.__setattr__(self, "position", position)
-        object.__setattr__(self, "illuminant", as_illuminant(self.illuminant))
+        as_illuminant(self.illuminant)
         in_range(self.strength, 1e-30, 1e30, "light strength")
+
+    @cached_property
+    def spectrum(self) -> Illuminant:
+        """Its relative spectral power."""
+        return as_illuminant(self.illuminant)
 
     @property
     def place(self) -> str:

@@ -174,7 +174,7 @@ def _grid(numbers: list[float]) -> NDArray[np.float64]:
     n = int((last - first) / step + 1e-9) + 1
     if n > _MOST_BANDS:
         raise DataError(f"[view] has {n} wavelengths; at most {_MOST_BANDS}")
-    return first + step * np.arange(n)
+    return first + step * np.arange(n, dtype=np.float64)
 
 
 def _require_known(content: dict[str, Any]) -> None:
