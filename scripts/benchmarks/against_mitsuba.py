@@ -84,6 +84,8 @@ def agreement(name: str, race) -> list[Row]:
         Row(f"{name}: skinviz, 16 samples, to Mitsuba, {spp} samples; ΔE00 mean / 99 % "
             f"/ largest over {race.inside.sum()} pixels", GOALS[name],
             str(difference(race.map))),
+        Row(f"{name}: – pixels that are over 1 ΔE00 apart", "–",
+            f"{(race.map > 1).sum() / race.inside.sum():.2%}"),
         Row(f"{name}: – noise of Mitsuba's picture itself, mean ΔE00", "–",
             f"{race.noise:.3f}"),
     ]  # fmt: skip
