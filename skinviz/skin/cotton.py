@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._compile import compiled
+from skinviz._vector_math import decay
 from skinviz.skin.coefficients import Coefficients
 from skinviz.skin.kernels import (
     BOTTOM,
     CARRY,
     absorbing,
     carried,
-    decay,
     depth,
     layer_of,
     over_backing,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from skinviz._compile import compiled, inlined
 from skinviz._validate import one_of
+from skinviz._vector_math import decay
 from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import Coefficients
 from skinviz.skin.interface import Interface
@@ -21,7 +22,6 @@ from skinviz.skin.kernels import (
     by_absorption,
     by_scattering,
     by_thickness,
-    decay,
     depth,
     layer_of,
     prepare,

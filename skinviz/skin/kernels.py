@@ -24,16 +24,11 @@ import math
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
 
 from skinviz._compile import compiled, inlined
+from skinviz._vector_math import DEEPEST, decay
 
-_LOG2_E = 1 / math.log(2)
-_LN2_HIGH, _LN2_LOW = 0.693147180369123816490, 1.90821492927058770002e-10
-_SHIFT = 1.5 * 2.0**52  # adding it leaves the nearest whole number in the low bits
-_DEEPEST = 708.39  # e^−y beyond is below the smallest normal float: 0
 _LEAST = 1e-160  # κ² of a layer without absorption; its powers stay normal floats
 _NEAR = 0.0625  # y² below which differences are taken from their series
 
@@ -53,9 +48,6 @@ EVALUATE = types.FunctionType(
 ``jacobian`` is (p, n), or (0, n) where it is not wanted.
 """
 
-C2, C3, C4, C5, C6, C7, C8, C9, C10, C11, C12 = (
-    1 / math.factorial(k) for k in range(2, 13)
-)
 # 2 (y cosh y − sinh y)/y³ and 4 (sinh y cosh y − y)/y³ in powers of y².
 H0, H1, H2, H3, H4, H5 = (4 * k / math.factorial(2 * k + 1) for k in range(1, 7))
 G0, G1, G2, G3, G4, G5 = (4 ** (k + 1) / math.factorial(2 * k + 1) for k in range(1, 7))
@@ -63,38 +55,6 @@ G0, G1, G2, G3, G4, G5 = (4 ** (k + 1) / math.factorial(2 * k + 1) for k in rang
 
 Layer = tuple[float, float, float, float, float]
 Carry = tuple[float, float, float, float, float]
-
-
-@intrinsic
-def _power_of_two(typing_context: Any, shifted: Any) -> Any:
-    """Return 2ⁿ from n + _SHIFT, by moving the low bits into the exponent."""
-
-    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        integer = ir.IntType(64)
-        bits = builder.bitcast(arguments[0], integer)
-        bits = builder.add(builder.shl(bits, integer(52)), integer(1023 << 52))
-        return builder.bitcast(bits, ir.DoubleType())
-
-    return types.float64(types.float64), build
-
-
-@inlined
-def decay(y: float) -> tuple[float, float]:
-    """Return e^(−y) and 1 − e^(−y), both to the last digit or two; y ≥ −700.
-
-    numba's own exp is called once a number; this one vectorises.
-    """
-    x = y if y < _DEEPEST else _DEEPEST
-    shifted = _SHIFT - x * _LOG2_E
-    n = shifted - _SHIFT
-    r = (-x - n * _LN2_HIGH) - n * _LN2_LOW
-    r2 = r * r
-    low = (C2 + r * C3) + r2 * (C4 + r * C5)
-    high = (C6 + r * C7) + r2 * (C8 + r * C9) + (r2 * r2) * ((C10 + r * C11) + r2 * C12)
-    p = r + r2 * (low + (r2 * r2) * high)  # e^r − 1
-    scale = _power_of_two(shifted)
-    power = scale * p + scale
-    return (power if y < _DEEPEST else 0.0), (1 - scale) - scale * p
 
 
 @inlined
@@ -108,7 +68,7 @@ def root(K: float, S: float) -> float:
 def depth(kappa: float, K: float, S: float, D: float) -> float:
     """Return y = κD, at most where e^(−y) is 0; 0 where there is no matter."""
     y = kappa * D if K + S > 0 else 0.0
-    return y if y < _DEEPEST else _DEEPEST
+    return y if y < DEEPEST else DEEPEST
 
 
 @inlined

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._compile import compiled
+from skinviz._vector_math import decay
 from skinviz.errors import ArgumentError
 from skinviz.skin.coefficients import Coefficients
-from skinviz.skin.kernels import decay, through_surface
+from skinviz.skin.kernels import through_surface
 from skinviz.skin.model import PIGMENTS, Parameter, SkinModel
 
 OFFSET = Parameter("offset", "1", 0.0, 50.0, "absorbance that no pigment explains")
