@@ -1,54 +1,71 @@
-"""From XYZ to what a display shows, with what it cannot show counted."""
+"""From a scene's XYZ to what its display shows, what it cannot show counted."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.spectra.colorimetry import (
-    decode_srgb,
-    encode_srgb,
-    xyz_to_linear_srgb,
-)
+from skinviz.rendering.lighting import light_spectra, xyz_of_radiance
+from skinviz.scene.scene import Scene
+from skinviz.spectra.adaptation import adaptation
+from skinviz.spectra.display import DisplayCounts
 
-# Half an 8-bit step beyond the ends: what rounds to them is shown as it is.
-_ABOVE = float(decode_srgb(1 + 0.5 / 255))
-_BELOW = float(decode_srgb(-0.5 / 255))
+Array = NDArray[np.float64]
+
+_PIXELS = 2**18  # that are encoded at once, which bounds the memory
 
 
-@dataclass(frozen=True)
-class DisplayCounts:
-    """How many colours a display could not show.
+def display_matrix(scene: Scene) -> Array:
+    """Return the matrix (3, 3) from a scene's XYZ to its display's linear colours.
 
-    Attributes
+    Raises
+    ------
+    ArgumentError
+        If the scene asks for adaptation to a light that eyes cannot adapt to.
+    """
+    white = light_spectra(scene)[0] @ xyz_of_radiance(scene) / scene.exposure
+    display = scene.display
+    return display.matrix @ adaptation(scene.white, white, display.white)
+
+
+def encoded(
+    scene: Scene,
+    xyz: NDArray[Any],
+    coverage: NDArray[np.float32],
+    bits: int = 8,
+) -> tuple[NDArray[Any], DisplayCounts]:
+    """Return what the display shows of a picture, on the scene's background.
+
+    Parameters
     ----------
-    total : int
-        Colours looked at.
-    over_exposed : int
-        Those with a channel that rounds to more than full.
-    out_of_gamut : int
-        Those with a channel that rounds to less than none.
+    scene : Scene
+        Whose display, adaptation and background.
+    xyz : (height, width, 3) ndarray
+        Light of the mesh.
+    coverage : (height, width) ndarray
+        The share of each pixel that shows the mesh.
+    bits : {8, 16}
+        Of a channel.
+
+    Returns
+    -------
+    levels : (height, width, 3) ndarray of uint8 or uint16
+        Encoded colours.
+    counts : DisplayCounts
+        Of the pixels that show the mesh.
     """
-
-    total: int
-    over_exposed: int
-    out_of_gamut: int
-
-
-def to_srgb8(
-    xyz: NDArray[np.float64], behind: NDArray[np.float64] | float = 0.0
-) -> tuple[NDArray[np.uint8], DisplayCounts]:
-    """Return 8-bit sRGB of XYZ (..., 3) with Y = 1 for white, and the counts.
-
-    ``behind`` is linear light of what is not the mesh, added but not counted.
-    Channels below 0 or above 1 are cut off, as a display does, and counted.
-    """
-    linear = xyz_to_linear_srgb(xyz)
-    counts = DisplayCounts(
-        total=int(linear[..., 0].size),
-        over_exposed=int((linear > _ABOVE).any(axis=-1).sum()),
-        out_of_gamut=int((linear < _BELOW).any(axis=-1).sum()),
-    )
-    return np.round(255 * encode_srgb(linear + behind)).astype(np.uint8), counts
+    display, matrix = scene.display, display_matrix(scene)
+    behind = display.decode(np.array(scene.background) / 255)
+    levels = np.zeros(xyz.shape, dtype=np.uint8 if bits == 8 else np.uint16)
+    counts = DisplayCounts(0, 0, 0)
+    rows = max(1, _PIXELS // xyz.shape[1])
+    for top in range(0, len(xyz), rows):
+        part = slice(top, top + rows)
+        linear = xyz[part] @ matrix.T
+        linear += (1.0 - coverage[part])[..., None] * behind
+        encode = display.encode8 if bits == 8 else display.encode16
+        levels[part], told = encode(linear, coverage[part] > 0)
+        counts += told
+    return levels, counts

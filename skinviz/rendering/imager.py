@@ -68,10 +68,10 @@ def _step(stage: Stage) -> int:
 def _cast(stage: Stage, start: int, part: slice) -> trace.Hits:
     """Cast the rays of some pixels."""
     pixels = np.arange(start + part.start, start + part.stop)
-    block, marked = stage.seen
-    row, column = np.divmod(pixels, stage.view.size[0])
+    block, marked = stage.sight.blocks
+    row, column = np.divmod(pixels, stage.sight.view.size[0])
     asked = np.flatnonzero(marked[row // block, column // block])
-    hits = trace.cast(stage.geometry, stage.view, stage.plan.cells, pixels[asked])
+    hits = trace.cast(stage.sight, stage.plan.cells, pixels[asked])
     covered = np.zeros(pixels.size, dtype=np.uint8)
     covered[asked] = hits.covered
     return dataclasses.replace(hits, pixels=asked[hits.pixels], covered=covered)

@@ -27,44 +27,42 @@ _VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
 _LEAST = 1e-300  # added to squares whose root divides: 0 stays 0, never 0/0
 
 
-@inlined
-def _towards(x: Any, y: Any, z: Any, to: Any) -> tuple[float, float, float, float]:
-    """Return the unit vector from a point to a homogeneous one, and its distance²."""
-    dx, dy, dz = to[0] - to[3] * x, to[1] - to[3] * y, to[2] - to[3] * z
-    square = dx * dx + dy * dy + dz * dz + _LEAST
-    scale = 1 / np.sqrt(square)
-    return dx * scale, dy * scale, dz * scale, square
+# Rows of a block's scratch, flat so that loops over it are seen not to overlap.
+_NL, _NV, _NH, _SH, _VH, _FALL, _OUT, _END = (BLOCK * row for row in range(8))
 
 
 @inlined
 def _cosines(
-    points: Any,
-    normals: Any,
-    start: Any,
-    n: Any,
-    light: Any,
-    reach: Any,
-    eye: Any,
-    rows: Any,
+    points: Any, normals: Any, start: Any, n: Any, to: Any, reach: Any, rows: Any
 ) -> None:
-    """Fill in N·L, N·V, N·H, |N × H|, V·H and the fall-off with distance."""
-    NL, NV, NH, SH, VH, fall = rows[0], rows[1], rows[2], rows[3], rows[4], rows[5]
+    """Fill in N·L, N·V, N·H, |N × H|, V·H and the fall-off with distance.
+
+    ``to`` are the light and the eye, four numbers each.
+    """
+    stop = start + n
+    X, Y, Z = points[0, start:stop], points[1, start:stop], points[2, start:stop]
+    A, B, C = normals[0, start:stop], normals[1, start:stop], normals[2, start:stop]
+    lx, ly, lz, lw, ex, ey, ez, ew = to
     for i in range(n):
-        x, y, z = points[0, start + i], points[1, start + i], points[2, start + i]
-        nx, ny, nz = normals[0, start + i], normals[1, start + i], normals[2, start + i]
-        lx, ly, lz, square = _towards(x, y, z, light)
-        vx, vy, vz, _ = _towards(x, y, z, eye)
-        hx, hy, hz = lx + vx, ly + vy, lz + vz
-        length = np.sqrt(hx * hx + hy * hy + hz * hz)
+        x, y, z = X[i], Y[i], Z[i]
+        a, b, c = lx - lw * x, ly - lw * y, lz - lw * z
+        d, e, f = ex - ew * x, ey - ew * y, ez - ew * z
+        square = a * a + b * b + c * c + _LEAST
+        scale = 1 / np.sqrt(square)
+        a, b, c = a * scale, b * scale, c * scale
+        scale = 1 / np.sqrt(d * d + e * e + f * f + _LEAST)
+        d, e, f = d * scale, e * scale, f * scale
+        rows[_NL + i] = A[i] * a + B[i] * b + C[i] * c
+        rows[_NV + i] = A[i] * d + B[i] * e + C[i] * f
+        a, b, c = a + d, b + e, c + f
+        length = np.sqrt(a * a + b * b + c * c)
         scale = 1 / (length + _LEAST)
-        hx, hy, hz = hx * scale, hy * scale, hz * scale
-        cx, cy, cz = ny * hz - nz * hy, nz * hx - nx * hz, nx * hy - ny * hx
-        NL[i] = nx * lx + ny * ly + nz * lz
-        NV[i] = nx * vx + ny * vy + nz * vz
-        NH[i] = nx * hx + ny * hy + nz * hz
-        SH[i] = np.sqrt(cx * cx + cy * cy + cz * cz)
-        VH[i] = min(length / 2, 1.0)
-        fall[i] = reach / square if light[3] != 0 else 1.0
+        a, b, c = a * scale, b * scale, c * scale
+        rows[_VH + i] = min(0.5 * length, 1.0)
+        rows[_NH + i] = A[i] * a + B[i] * b + C[i] * c
+        d, e, f = B[i] * c - C[i] * b, C[i] * a - A[i] * c, A[i] * b - B[i] * a
+        rows[_SH + i] = np.sqrt(d * d + e * e + f * f)
+        rows[_FALL + i] = lw * (reach / square) + (1 - lw)
 
 
 @compiled(
@@ -95,28 +93,32 @@ def scalars(
     light's irradiance is 1.
     """
     n, n_lights, n_indices = out.shape[1], lights.shape[0], indices.size
-    rows = np.zeros((7, BLOCK))
+    rows = np.zeros(_END)
     for first in range(0, n, BLOCK):
         m = min(BLOCK, n - first)
+        NL, NV, NH = rows[_NL : _NL + m], rows[_NV : _NV + m], rows[_NH : _NH + m]
+        SH, VH, spread = rows[_SH : _SH + m], rows[_VH : _VH + m], rows[_OUT : _OUT + m]
+        fall = rows[_FALL : _FALL + m]
         for k in range(n_lights):
-            _cosines(
-                points, normals, start + first, m, lights[k], reaches[k], eye, rows
+            light = lights[k]
+            to = (
+                *(light[0], light[1], light[2], light[3]),
+                *(eye[0], eye[1], eye[2], eye[3]),
             )
-            lobe(
-                *(rows[0, :m], rows[1, :m], rows[2, :m], rows[3, :m], rows[4, :m]),
-                *(constants, rows[6, :m]),
-            )
+            _cosines(points, normals, start + first, m, to, reaches[k], rows)
+            lobe(NL, NV, NH, SH, VH, constants, spread)
             if visible.size:
+                seen = visible[k, first : first + m]
                 for i in range(m):
-                    rows[5, i] *= visible[k, first + i]
+                    fall[i] *= seen[i]
+            lit = out[k, first : first + m]
             for i in range(m):
-                out[k, first + i] = max(rows[0, i], 0.0) * rows[5, i]
+                lit[i] = max(NL[i], 0.0) * fall[i]
             for j in range(n_indices):
-                row = n_lights + k * n_indices + j
                 index = indices[j]
+                shine = out[n_lights + k * n_indices + j, first : first + m]
                 for i in range(m):
-                    F = fresnel(rows[4, i], index)
-                    out[row, first + i] = rows[6, i] * F * rows[5, i]
+                    shine[i] = spread[i] * fall[i] * fresnel(VH[i], index)
 
 
 @compiled()
@@ -126,31 +128,38 @@ def expand(pixels: Any, samples: Any, values: Any, spectra: Any, out: Any) -> No
     ``pixels`` (m,) says, ascending, to which row of ``out`` (n, bands) each column of
     ``values`` (k, m) belongs; ``spectra`` is (k, bands). Rows without any are 0.
     """
-    k, bands = spectra.shape
+    k = spectra.shape[0]
     mean = np.zeros(k, dtype=spectra.dtype)
-    at, m = 0, pixels.size
+    at, m, share = 0, pixels.size, 1 / samples
     for row in range(out.shape[0]):
         if at == m or pixels[at] != row:
-            for j in range(bands):
-                out[row, j] = 0
+            out[row, :] = 0
             continue
-        mean[:] = 0
+        for i in range(k):
+            mean[i] = values[i, at] * share
+        at += 1
         while at < m and pixels[at] == row:
             for i in range(k):
-                mean[i] += values[i, at] / samples
+                mean[i] += values[i, at] * share
             at += 1
         _products(mean, spectra, out[row])
 
 
 @inlined
 def _products(mean: Any, spectra: Any, row: Any) -> None:
-    """Write the sum of scalars times spectra."""
-    for j in range(row.size):
-        row[j] = mean[0] * spectra[0, j]
-    for i in range(1, mean.size):
-        if mean[i] != 0:
+    """Write the sum of scalars times spectra, two at a time to save stores."""
+    k = mean.size
+    odd = k % 2
+    if odd:
+        for j in range(row.size):
+            row[j] = mean[0] * spectra[0, j]
+    else:
+        for j in range(row.size):
+            row[j] = mean[0] * spectra[0, j] + mean[1] * spectra[1, j]
+    for i in range(2 - odd, k, 2):
+        if mean[i] != 0 or mean[i + 1] != 0:
             for j in range(row.size):
-                row[j] += mean[i] * spectra[i, j]
+                row[j] += mean[i] * spectra[i, j] + mean[i + 1] * spectra[i + 1, j]
 
 
 @compiled()

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
 from skinviz.rendering import kernels
-from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.sight import Sight
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
 from skinviz.spectra.colorimetry import colour_matching_functions, xyz_weights
-from skinviz.spectra.illuminants import illuminant_spd
 from skinviz.spectra.wavelengths import band_widths
 from skinviz.surface.dispersion import dispersion_basis
 
@@ -103,14 +102,15 @@ class Spectra:
         return np.concatenate([self.light * body, self.shine, fields * body])
 
 
-def lighting_of(scene: Scene, geometry: Geometry, eye: Array) -> Lighting:
-    """Return a scene's lights and surface, seen from a homogeneous point [mm].
+def lighting_of(scene: Scene, sight: Sight) -> Lighting:
+    """Return a scene's lights and surface, as they are seen.
 
     Raises
     ------
     ArgumentError
         If a light stands at the mesh's centroid, where its strength is defined.
     """
+    geometry = sight.geometry
     lights = np.array([geometry.within(light.homogeneous) for light in scene.lights])
     to_centroid = lights[:, :3] - geometry.centroid
     reaches = np.square(to_centroid).sum(axis=1)
@@ -126,7 +126,7 @@ def lighting_of(scene: Scene, geometry: Geometry, eye: Array) -> Lighting:
     return Lighting(
         lights=lights,
         reaches=reaches,
-        eye=geometry.within(eye),
+        eye=sight.eye,
         lobe=surface.lobe,
         constants=surface.constants,
         indices=indices,
@@ -135,7 +135,6 @@ def lighting_of(scene: Scene, geometry: Geometry, eye: Array) -> Lighting:
 
 def spectra_of(scene: Scene) -> Spectra:
     """Return the spectra by which a scene's scalars are multiplied."""
-    cmfs = colour_matching_functions(scene.wavelengths, scene.observer)
     powers = light_spectra(scene)
     _, weights = dispersion_basis(_index(scene))
     values = scene.skin.values
@@ -147,7 +146,7 @@ def spectra_of(scene: Scene) -> Spectra:
             if values.ndim == 1
             else None
         ),
-        colour=cmfs * band_widths(scene.wavelengths)[:, None],
+        colour=xyz_of_radiance(scene),
     )
 
 
@@ -160,7 +159,7 @@ def light_spectra(scene: Scene) -> Array:
     seen = cmfs[:, 1] * band_widths(scene.wavelengths)
 
     def unit_luminance(light: Light) -> Array:
-        spd = illuminant_spd(light.illuminant, scene.wavelengths)
+        spd = light.spectrum.spd(scene.wavelengths)
         xyz_weights(scene.wavelengths, spd, scene.observer)  # refuses unseen light
         return np.asarray(spd / (spd @ seen))
 
@@ -171,6 +170,12 @@ def light_spectra(scene: Scene) -> Array:
             for light in scene.lights
         ]
     )
+
+
+def xyz_of_radiance(scene: Scene) -> Array:
+    """Return the weights (bands, 3) by which radiance becomes XYZ."""
+    cmfs = colour_matching_functions(scene.wavelengths, scene.observer)
+    return np.asarray(cmfs * band_widths(scene.wavelengths)[:, None])
 
 
 def _index(scene: Scene) -> Array:

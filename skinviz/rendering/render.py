@@ -2,25 +2,31 @@
 
 from __future__ import annotations
 
+import dataclasses
+import os
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, SceneWarning
-from skinviz.rendering.colour import DisplayCounts, to_srgb8
+from skinviz.rendering.colour import encoded
 from skinviz.rendering.darkness import why_dark
+from skinviz.rendering.files import write_picture
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.imager import Advance, Single, pixel_colours, pixel_radiance
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.stage import Stage, stage_of
 from skinviz.scene.camera import View
+from skinviz.scene.describe import describe
 from skinviz.scene.scene import Scene
-from skinviz.spectra.colorimetry import decode_srgb
+from skinviz.spectra.display import DisplayCounts
 
 Array = NDArray[np.float64]
 
@@ -63,7 +69,7 @@ class Rendering:
     @property
     def view(self) -> View:
         """Where points of the scene lie in the picture."""
-        return self._stage.view
+        return self._stage.sight.view
 
     @property
     def size(self) -> tuple[int, int]:
@@ -80,24 +86,30 @@ class Rendering:
         """The share of each pixel that shows the mesh (height, width). [1]"""
         return self.covered.astype(np.float32) / np.float32(self.plan.samples)
 
-    @cached_property
+    @property
     def rgb(self) -> NDArray[np.uint8]:
-        """The picture (height, width, 3) as 8-bit sRGB, before its background."""
+        """What the scene's display shows (height, width, 3), on its background."""
         return self._shown[0]
+
+    @property
+    def rgb16(self) -> NDArray[np.uint16]:
+        """The same in 16 bits a channel, computed anew each time."""
+        return encoded(self.scene, self.xyz, self.coverage, bits=16)[0]
 
     @property
     def counts(self) -> DisplayCounts:
         """How many pixels of the mesh the display cannot show."""
         return self._shown[1]
 
+    @property
+    def icc(self) -> bytes | None:
+        """The ICC profile of the display; None for sRGB."""
+        return self.scene.display.icc
+
     @cached_property
     def _shown(self) -> tuple[NDArray[np.uint8], DisplayCounts]:
-        """The picture on its background, and what could not be shown."""
-        free = 1 - self.coverage[..., None]
-        return to_srgb8(
-            self.xyz.astype(np.float64),
-            free * decode_srgb(np.array(self.scene.background) / 255),
-        )
+        """The picture and what could not be shown."""
+        return encoded(self.scene, self.xyz, self.coverage)
 
     def radiance(
         self,
@@ -148,6 +160,52 @@ class Rendering:
                 pixels = slice(row * width + left, row * width + right)
                 pixel_radiance(self._stage, pixels, out[row - top], advance)
         return out[0, 0] if where is not None and len(where) == 2 else out
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """How the picture was made, as JSON can hold it."""
+        from skinviz import __version__
+
+        return {
+            "title": "Skin in spectrally computed colour",
+            "units": {
+                "radiance": "the perfect diffuser facing light 1 at the mesh's "
+                "centroid, lit by it alone, has Y = exposure",
+                "wavelengths": "nm",
+            },
+            "software": f"skinviz {__version__}",
+            "scene": describe(self.scene),
+            "plan": dataclasses.asdict(self.plan),
+            "counts": dataclasses.asdict(self.counts),
+            "notes": list(self.notes),
+        }
+
+    def save(
+        self, path: str | os.PathLike[str], *, advance: Advance | None = None
+    ) -> Path:
+        """Write the picture or its spectra, in the format that the suffix names.
+
+        Parameters
+        ----------
+        path : str or path-like
+            ``.png`` (8 bits) or ``.tif`` (16 bits) for colours, ``.hdr`` (ENVI) or
+            ``.exr`` for the spectrum of every pixel. The scene goes into all.
+        advance : callable, optional
+            Told the number of pixels whose spectra are done.
+
+        Returns
+        -------
+        path : Path
+            The file written, whole.
+
+        Raises
+        ------
+        ArgumentError
+            If the suffix is none of these.
+        SkinvizError
+            If it cannot be written; what was there before still is.
+        """
+        return write_picture(path, self, advance)
 
     def rows(self, advance: Advance | None = None) -> Iterator[Single]:
         """Yield the spectral radiance of the picture's rows, some at a time.

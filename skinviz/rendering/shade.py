@@ -18,7 +18,7 @@ from skinviz._threads import in_slices
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.rendering import kernels, trace
-from skinviz.rendering.colour import to_srgb8
+from skinviz.rendering.colour import display_matrix
 from skinviz.rendering.expansion import as_single, expand_mapped, require_single
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.lighting import light_spectra
@@ -26,6 +26,7 @@ from skinviz.rendering.plan import Plan
 from skinviz.rendering.stage import Stage, stage_of
 from skinviz.scan.formats.surface import UNIT_FIELD
 from skinviz.scene.scene import Scene
+from skinviz.spectra.display import DisplayCounts
 
 if TYPE_CHECKING:
     import pyvista
@@ -94,10 +95,7 @@ def shade(
     """
     stage = stage_of(scene, plan, geometry)
     radiance = vertex_radiance(stage)
-    xyz = vertex_xyz(stage)
-    rgb, _ = to_srgb8(xyz)
-    # A vertex that faces away has no true specular term and is not seen.
-    _, counts = to_srgb8(xyz[_facing(stage)])
+    rgb, counts = vertex_rgb(stage)
     mesh = scene.mesh.copy(deep=False)
     mesh.point_data["pigments"] = np.broadcast_to(
         scene.skin.values, (mesh.n_points, scene.skin.values.shape[-1])
@@ -154,6 +152,30 @@ def vertex_xyz(stage: Stage) -> Array:
 
     _each_slice(stage, use)
     return xyz
+
+
+def vertex_rgb(stage: Stage) -> tuple[NDArray[np.uint8], DisplayCounts]:
+    """Return what the scene's display shows of every vertex (n, 3), and the counts.
+
+    Counted are the vertices that face the viewer: the others have no true specular
+    term and are not seen. This is the quick way to colours, for a light that moves
+    (:meth:`Stage.relit`): nothing is computed by wavelength or kept by vertex.
+    """
+    spectra, scene, display = stage.spectra, stage.scene, stage.scene.display
+    if spectra.body is None:
+        linear = vertex_xyz(stage) @ display_matrix(scene).T
+        return display.encode8(linear, stage.sight.facing)
+    rgb = np.zeros((len(stage.geometry.points), 3), np.uint8)
+    matrix = spectra.products(stage.fields.spectra) @ spectra.colour
+    matrix = matrix @ display_matrix(scene).T
+    seen, told = stage.sight.facing, []
+
+    def use(part: slice, scalars: Array) -> None:
+        rgb[part], counts = display.encode8(scalars.T @ matrix, seen[part])
+        told.append(counts)
+
+    _each_slice(stage, use)
+    return rgb, sum(told, DisplayCounts(0, 0, 0))
 
 
 def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
@@ -253,10 +275,3 @@ def _expand_mapped(
     body = scene.skin.model.diffuse(scene.skin.values[part], scene.wavelengths)
     rows = np.arange(len(body))
     expand_mapped(stage, scalars, body, rows=rows, samples=1, out=out)
-
-
-def _facing(stage: Stage) -> NDArray[np.bool_]:
-    """Return which vertices face the viewer (n,)."""
-    eye, points = stage.lighting.eye, stage.geometry.points
-    towards = eye[:3] - eye[3] * points
-    return np.asarray((stage.geometry.normals * towards).sum(axis=1) > 0)

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
-
-import numpy as np
-from numpy.typing import NDArray
 
 from skinviz.rendering.bounce import Fields, fields_of
 from skinviz.rendering.geometry import Geometry, geometry_of
 from skinviz.rendering.lighting import Lighting, Spectra, lighting_of, spectra_of
 from skinviz.rendering.plan import Plan
-from skinviz.rendering.trace import seen_blocks
-from skinviz.scene.camera import View
+from skinviz.rendering.sight import Sight
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
 
@@ -29,10 +24,8 @@ class Stage:
         What is lit and seen.
     plan : Plan
         How finely.
-    geometry : Geometry
-        Of its mesh.
-    view : View
-        Who looks. [mm]
+    sight : Sight
+        Its mesh, and who looks at it.
     lighting : Lighting
         What depends on place.
     spectra : Spectra
@@ -43,21 +36,20 @@ class Stage:
 
     scene: Scene
     plan: Plan
-    geometry: Geometry
-    view: View
+    sight: Sight
     lighting: Lighting
     spectra: Spectra
     fields: Fields
 
-    @cached_property
-    def seen(self) -> tuple[int, NDArray[np.bool_]]:
-        """The blocks of pixels that may see the mesh; see ``trace.seen_blocks``."""
-        return seen_blocks(self.geometry, self.view)
+    @property
+    def geometry(self) -> Geometry:
+        """The mesh."""
+        return self.sight.geometry
 
     def relit(self, lights: Iterable[Light]) -> Stage:
         """Return the stage under other lights: what a light that moves costs."""
         scene = self.scene.replace(lights=tuple(lights))
-        return _lit(scene, self.plan, self.geometry, self.view)
+        return _lit(scene, self.plan, self.sight)
 
 
 def stage_of(
@@ -88,13 +80,13 @@ def stage_of(
         where all of it is to be seen.
     """
     geometry = geometry or geometry_of(scene.mesh)
-    view = scene.camera.view(geometry.in_mm)
-    return _lit(scene, plan or Plan(), geometry, view)
+    sight = Sight(geometry, scene.camera.view(geometry.in_mm))
+    return _lit(scene, plan or Plan(), sight)
 
 
-def _lit(scene: Scene, plan: Plan, geometry: Geometry, view: View) -> Stage:
+def _lit(scene: Scene, plan: Plan, sight: Sight) -> Stage:
     """Return the stage with what its lights and skin make of it."""
-    lighting = lighting_of(scene, geometry, view.homogeneous)
+    lighting = lighting_of(scene, sight)
     spectra = spectra_of(scene)
-    fields = fields_of(scene, geometry, lighting, spectra, plan)
-    return Stage(scene, plan, geometry, view, lighting, spectra, fields)
+    fields = fields_of(scene, sight.geometry, lighting, spectra, plan)
+    return Stage(scene, plan, sight, lighting, spectra, fields)

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 from skinviz.rendering import rays
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.lighting import Lighting
-from skinviz.scene.camera import View
+from skinviz.rendering.sight import Sight
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
-
-_BLOCKS = 64  # along the longer side of a picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,21 +46,19 @@ class Hits:
     covered: NDArray[np.uint8]
 
 
-def cast(geometry: Geometry, view: View, cells: Array, pixels: Whole) -> Hits:
+def cast(sight: Sight, cells: Array, pixels: Whole) -> Hits:
     """Cast the rays of pixels.
 
     Parameters
     ----------
-    geometry : Geometry
-        What is hit.
-    view : View
-        Who looks. [mm]
+    sight : Sight
+        Who looks at what.
     cells : (samples, 2) ndarray
         Places in a pixel. [pixels]
     pixels : (k,) ndarray of int64
         Row × width + column, ascending.
     """
-    frame, size = _frame(view, geometry), np.array(view.size)
+    geometry, frame, size = sight.geometry, sight.frame, np.array(sight.view.size)
     n = pixels.size * len(cells)
     origins, directions = (np.zeros((n, 3), dtype=np.float32) for _ in range(2))
     rays.start_rays(frame, size, cells, pixels, origins, directions)
@@ -75,7 +71,8 @@ def cast(geometry: Geometry, view: View, cells: Array, pixels: Whole) -> Hits:
         *(geometry.points, geometry.faces, geometry.normals),
         *(hit, weights, points, normals, lifted),
     )
-    covered = (triangles >= 0).reshape(pixels.size, -1).sum(axis=1, dtype=np.uint8)
+    shape = (pixels.size, len(cells))
+    covered = (triangles >= 0).reshape(shape).sum(axis=1, dtype=np.uint8)
     return Hits(
         hit[:m] // len(cells),
         triangles[hit[:m]],
@@ -85,20 +82,6 @@ def cast(geometry: Geometry, view: View, cells: Array, pixels: Whole) -> Hits:
         lifted[:, :m],
         covered,
     )
-
-
-def seen_blocks(geometry: Geometry, view: View) -> tuple[int, NDArray[np.bool_]]:
-    """Return a size of blocks of pixels, and which (rows, columns) may see the mesh."""
-    width, height = view.size
-    block = -(-max(width, height) // _BLOCKS)
-    marked = np.zeros((-(-height // block), -(-width // block)), dtype=bool)
-    points = geometry.in_mm
-    nearness = 1 - (points - view.target) @ view.direction / view.distance
-    if nearness.min() < 1e-3:  # beside or behind the eye, where nothing is projected
-        marked[:] = True
-    else:
-        rays.mark_blocks(view.project(points), geometry.faces, block, marked)
-    return block, marked
 
 
 def visibility(
@@ -146,15 +129,3 @@ def at_corners(geometry: Geometry, hits: Hits, fields: Array) -> Array:
     out = np.zeros((fields.shape[1], hits.triangles.size))
     rays.interpolate(hits.triangles, geometry.faces, hits.weights, fields, out)
     return out
-
-
-def _frame(view: View, geometry: Geometry) -> Array:
-    """Return a view in the geometry's coordinates, as the compiled loops want it."""
-    scale = geometry.scale
-    return np.stack(
-        [
-            (view.target - geometry.centre) / scale,
-            *(view.right, view.up, view.direction),
-            [view.distance / scale, view.pixel / scale, 0.0],
-        ]
-    )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._validate import as_numbers, in_range, unit_vector
 from skinviz.errors import ArgumentError
-from skinviz.spectra.illuminants import illuminant_spd
-from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
+from skinviz.spectra.illuminants import Illuminant, as_illuminant
 
 Array = NDArray[np.float64]
 
@@ -25,14 +25,15 @@ class DirectionalLight:
     ----------
     direction : (3,) array
         From the mesh towards the light; scaled to length 1.
-    illuminant : str
-        Name of a CIE illuminant, its spectrum.
+    illuminant : str or Illuminant
+        Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", or
+        measured.
     strength : float
         Irradiance, in units of the first light's. [1], > 0
     """
 
     direction: Array
-    illuminant: str = "D65"
+    illuminant: str | Illuminant = "D65"
     strength: float = 1.0
 
     def __post_init__(self) -> None:
@@ -40,7 +41,13 @@ class DirectionalLight:
         object.__setattr__(
             self, "direction", unit_vector(self.direction, "light direction")
         )
-        _require_light(self.illuminant, self.strength)
+        as_illuminant(self.illuminant)
+        in_range(self.strength, 1e-30, 1e30, "light strength")
+
+    @cached_property
+    def spectrum(self) -> Illuminant:
+        """Its relative spectral power."""
+        return as_illuminant(self.illuminant)
 
     @property
     def place(self) -> str:
@@ -61,15 +68,16 @@ class PointLight:
     ----------
     position : (3,) array
         In the mesh's coordinates. [mm]
-    illuminant : str
-        Name of a CIE illuminant, its spectrum.
+    illuminant : str or Illuminant
+        Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", or
+        measured.
     strength : float
         Irradiance of a plate that faces the light at the mesh's centroid, in units
         of the first light's. [1], > 0
     """
 
     position: Array
-    illuminant: str = "D65"
+    illuminant: str | Illuminant = "D65"
     strength: float = 1.0
 
     def __post_init__(self) -> None:
@@ -81,7 +89,13 @@ class PointLight:
                 f"got {self.position!r}; give a farther light's direction"
             )
         object.__setattr__(self, "position", position)
-        _require_light(self.illuminant, self.strength)
+        as_illuminant(self.illuminant)
+        in_range(self.strength, 1e-30, 1e30, "light strength")
+
+    @cached_property
+    def spectrum(self) -> Illuminant:
+        """Its relative spectral power."""
+        return as_illuminant(self.illuminant)
 
     @property
     def place(self) -> str:
@@ -95,9 +109,3 @@ class PointLight:
 
 
 Light = DirectionalLight | PointLight
-
-
-def _require_light(illuminant: str, strength: float) -> None:
-    """Refuse unknown names and darkness."""
-    illuminant_spd(illuminant, PAPER_WAVELENGTHS)
-    in_range(strength, 1e-30, 1e30, "light strength")

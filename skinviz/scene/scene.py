@@ -16,7 +16,9 @@ from skinviz.scene.camera import Camera
 from skinviz.scene.lights import Light
 from skinviz.skin.model import SkinModel
 from skinviz.skin.skin_fit import SkinFit
+from skinviz.spectra.adaptation import ADAPTATIONS
 from skinviz.spectra.colorimetry import OBSERVERS
+from skinviz.spectra.display import SRGB, Display
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 
@@ -107,7 +109,13 @@ class Scene:
         Whether light that one part of the mesh throws on another is computed, one
         diffuse bounce of it.
     background : (int, int, int)
-        Surround of the mesh in pictures; no light comes from it. [8-bit sRGB]
+        Surround of the mesh in pictures; no light comes from it. [8 bits, of the
+        display]
+    display : Display
+        What pictures are made for.
+    white : {"none", "cat16"}
+        Whether the display's white stands for the perfect diffuser under light 1,
+        to which eyes adapt, or colours are left as they are.
     """
 
     mesh: pyvista.PolyData
@@ -121,6 +129,8 @@ class Scene:
     observer: str = "cie1931"
     interreflection: str = "none"
     background: tuple[int, int, int] = BACKGROUND
+    display: Display = SRGB
+    white: str = "none"
     _checked: pyvista.PolyData | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -142,6 +152,7 @@ class Scene:
         in_range(self.exposure, 1e-30, 1e30, "exposure")
         one_of(self.observer, OBSERVERS, "observer")
         one_of(self.interreflection, INTERREFLECTIONS, "interreflection")
+        one_of(self.white, ADAPTATIONS, "white")
         _require_rgb8(self.background)
         object.__setattr__(self, "wavelengths", as_wavelengths(self.wavelengths))
 

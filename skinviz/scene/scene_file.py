@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import tomllib
@@ -10,22 +9,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinviz._files import existing_file
 from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
 from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
-from skinviz.scene.lights import DirectionalLight
-from skinviz.scene.scene import Scene, Skin
-from skinviz.skin.fit import fit_skin
-from skinviz.skin.fitted import FITS_FORMAT
-from skinviz.skin.models import skin_model
-from skinviz.skin.report import FIT_FORMAT
-from skinviz.spectra.archives import load_archive
+from skinviz.scene.lights import DirectionalLight, Light, PointLight
+from skinviz.scene.scene import Scene
+from skinviz.scene.scene_skin import skin_of
+from skinviz.spectra.display_file import read_display
+from skinviz.spectra.illuminants import Illuminant, black_body, read_illuminant
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 
 _TEXT, _NUMBER, _NUMBERS, _COUNT = "text", "a number", "a list of numbers", "a count"
+_MOST_BANDS = 2000
 _WORD_OR_NUMBER, _WORDS = "text or a number", "a list of texts"
 
 _TABLES = {
@@ -53,8 +52,11 @@ _TABLES = {
     },
     "lights": {
         "illuminant": _TEXT,
+        "temperature": _NUMBER,
+        "spectrum": _TEXT,
         "direction": _NUMBERS,
         "angle": _NUMBER,
+        "position": _NUMBERS,
         "strength": _NUMBER,
     },
     "view": {
@@ -62,17 +64,16 @@ _TABLES = {
         "direction": _NUMBERS,
         "up": _NUMBERS,
         "size": _NUMBERS,
+        "distance": _NUMBER,
+        "target": _NUMBERS,
+        "height": _NUMBER,
         "exposure": _NUMBER,
+        "background": _NUMBERS,
         "observer": _TEXT,
+        "wavelengths": _NUMBERS,
     },
-}
-
-
-_TISSUE = {"site", "thickness", "coefficients", "free"}
-_SKIN_KEYS = {
-    "weights": {"model", "specular"} | _TISSUE,
-    "fit": {"record"},
-    "archive": {"model", "specular", "origin", "subject"} | _TISSUE,
+    "display": {"profile": _TEXT, "white": _TEXT},
+    "transport": {"interreflection": _TEXT, "diffuse_scale": _NUMBER},
 }
 
 
@@ -83,8 +84,8 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     ----------
     path : str or path-like
         The file. Its tables are ``[mesh]``, ``[skin]``, ``[surface]``,
-        ``[[lights]]`` and ``[view]``; paths in it are relative to it. Angles are
-        in degrees from the normal of the hand's back.
+        ``[[lights]]``, ``[view]`` and ``[transport]``; paths in it are relative to
+        it. Angles are in degrees from the normal of the hand's back.
 
     Returns
     -------
@@ -125,18 +126,55 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
     lights_table = content.get("lights", [{}])
     # Only angles need the hand's own directions; any mesh can be lit by vectors.
     by_vectors = {"direction", "up"} <= view.keys() and all(
-        "direction" in light for light in lights_table
+        light.keys() & {"direction", "position"} for light in lights_table
     )
     frame = None if by_vectors else hand_frame(mesh)
     return Scene(
         mesh=mesh,
-        skin=_skin(content.get("skin", {}), folder),
+        skin=skin_of(content.get("skin", {}), folder),
         surface=_surface(content.get("surface", {})),
-        lights=tuple(_light(light, frame, light_angle) for light in lights_table),
+        lights=tuple(
+            _light(light, frame, light_angle, folder) for light in lights_table
+        ),
         camera=_camera(view, frame, view_angle),
-        exposure=view.get("exposure", 1.0),
-        observer=view.get("observer", "cie1931"),
+        **_settings(content),
+        **_display(content.get("display", {}), folder),
     )
+
+
+def _display(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Return what pictures are made for, where it is said."""
+    found = {key: table[key] for key in ("white",) if key in table}
+    if "profile" in table:
+        found["display"] = read_display(folder / table["profile"])
+    return found
+
+
+def _settings(content: dict[str, Any]) -> dict[str, Any]:
+    """Return what a scene is told by single words and numbers, where it is said."""
+    view = content.get("view", {})
+    keys = ("exposure", "background", "observer", "wavelengths")
+    found = {key: view[key] for key in keys if key in view}
+    found |= content.get("transport", {})
+    if "wavelengths" in found:
+        found["wavelengths"] = _grid(found["wavelengths"])
+    if "background" in found:
+        found["background"] = tuple(found["background"])
+    return found
+
+
+def _grid(numbers: list[float]) -> NDArray[np.float64]:
+    """Return the wavelengths from the first to the last by a step. [nm]"""
+    if len(numbers) != 3 or numbers[2] <= 0 or numbers[1] < numbers[0]:
+        raise DataError(
+            "wavelengths in [view] must be [first, last, step] in nm, as [400, 700, "
+            f"5]; got {numbers}"
+        )
+    first, last, step = numbers
+    n = int((last - first) / step + 1e-9) + 1
+    if n > _MOST_BANDS:
+        raise DataError(f"[view] has {n} wavelengths; at most {_MOST_BANDS}")
+    return first + step * np.arange(n, dtype=np.float64)
 
 
 def _require_known(content: dict[str, Any]) -> None:
@@ -179,90 +217,6 @@ def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and math.isfinite(value)
 
 
-def _skin(table: dict[str, Any], folder: Path) -> Skin:
-    """Return the skin: weights given, read from a fit file, or fitted now."""
-    sources = [key for key in _SKIN_KEYS if key in table]
-    if len(sources) != 1:
-        raise DataError(
-            "[skin] needs exactly one of weights = [w_m, w_h, w_dh], "
-            f'fit = "fit.json" and archive = "issa"; got {sources or "none"}'
-        )
-    (source,) = sources
-    idle = sorted(table.keys() - _SKIN_KEYS[source] - {source})
-    if idle:
-        raise DataError(f"[skin] with {source} has no use for {', '.join(idle)}")
-    if source == "fit":
-        return skin_from_fit_file(folder / table["fit"], table.get("record", 0))
-    options = {key: table[key] for key in _TISSUE if key in table}
-    if str(options.get("coefficients")).lower().endswith(".csv"):
-        options["coefficients"] = folder / options["coefficients"]
-    name = table.get("model", "two-layer")
-    if source == "archive":
-        return _archive_skin(table, name, options)
-    if "specular" not in table:
-        raise DataError(
-            '[skin] needs specular = "excluded", "included" or a number: how the '
-            "spectrum behind the weights was measured"
-        )
-    model = skin_model(name, specular=table["specular"], **options)
-    return Skin(model, np.asarray(table["weights"], dtype=np.float64))
-
-
-def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> Skin:
-    """Fit the spectrum of one archive subject and site."""
-    archive = load_archive(table["archive"])
-    chosen = np.ones(archive.sizes["record"], dtype=bool)
-    for key in ("origin", "subject", "site"):
-        if key not in table:
-            raise DataError(f"[skin] with archive needs {key} = ...")
-        chosen &= archive[key].values == str(table[key])
-    if not chosen.any():
-        sites = sorted(set(archive["site"].values))
-        raise DataError(
-            f"archive {table['archive']!r} has no spectrum of subject "
-            f"{table['subject']!r} of {table['origin']!r} at {table['site']!r}; its "
-            f"sites are {', '.join(sites)}, its origins "
-            f"{', '.join(sorted(set(archive['origin'].values)))}"
-        )
-    if "thickness" in options:  # then the site only names the spectrum
-        options = {key: options[key] for key in options if key != "site"}
-    spectrum = archive.reflectance.values[chosen].mean(axis=0)
-    specular = table.get("specular", archive.attrs["specular"])
-    model = skin_model(name, specular=specular, **options)
-    return Skin.from_fit(fit_skin(spectrum, archive.wavelength.values, model))
-
-
-def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
-    """Return the skin in a JSON file that ``skinviz fit`` wrote."""
-    file = existing_file(path, DataError)
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-        known = content["format"] == FIT_FORMAT
-        if content["format"] == FITS_FORMAT:
-            raise DataError(
-                f"{file} holds fits of several models; fit with one --model for a scene"
-            )
-        fits = content["fits"]
-        options = {key: content[key] for key in ("specular", "coefficients")}
-        options |= {key: content[key] for key in ("free",) if key in content}
-        name, thickness = content["model"], content["thickness_mm"]
-        backing = content["hypodermis"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise DataError(f"{file}: not a fit file of 'skinviz fit'") from error
-    if not known:
-        raise DataError(f"{file}: written as {content['format']!r}; fit the file anew")
-    if record >= len(fits):
-        raise DataError(f"{file} has {len(fits)} records, 0 the first; got {record}")
-    model = skin_model(name, thickness=thickness, hypodermis=backing, **options)
-    weights = fits[record]["parameters"]
-    values = [weights[p.name]["value"] for p in model.parameters]
-    if any(value is None for value in values):
-        raise DataError(
-            f"{file}: record {record} was refused by the fit; choose another"
-        )
-    return Skin(model, np.asarray(values, dtype=np.float64))
-
-
 def _surface(table: dict[str, Any]) -> TorranceSparrow:
     """Return the surface, by β or by its physical scale."""
     if "beta" not in table:
@@ -279,36 +233,56 @@ def _surface(table: dict[str, Any]) -> TorranceSparrow:
 
 
 def _light(
-    table: dict[str, Any], frame: HandFrame | None, angle: float
-) -> DirectionalLight:
-    """Return one light, its direction given or from its angle."""
+    table: dict[str, Any], frame: HandFrame | None, angle: float, folder: Path
+) -> Light:
+    """Return one light: near, or far in a direction that is given or an angle's."""
+    places = table.keys() & {"direction", "angle", "position"}
+    if len(places) > 1:
+        raise DataError(
+            "[[lights]] takes one of direction, angle and position; got "
+            f"{', '.join(sorted(places))}"
+        )
+    illuminant, strength = _illuminant(table, folder), table.get("strength", 1.0)
+    if "position" in table:
+        return PointLight(table["position"], illuminant, strength)
     if "direction" in table:
-        if "angle" in table:
-            raise DataError("[[lights]] takes direction or angle, not both")
-        direction = table["direction"]
-    else:
-        assert frame is not None  # noqa: S101 - made whenever a direction is missing
-        degrees = float(table.get("angle", 0.0))
-        if not -90 <= degrees <= 90:
-            raise DataError(f"angle in [[lights]] must be -90 to 90; got {degrees:g}")
-        own = np.deg2rad(degrees) if "angle" in table else angle
-        direction = frame.direction(own)
-    return DirectionalLight(
-        direction,
-        table.get("illuminant", "D65"),
-        table.get("strength", 1.0),
-    )
+        return DirectionalLight(table["direction"], illuminant, strength)
+    assert frame is not None  # noqa: S101 - made whenever a place is missing
+    degrees = float(table.get("angle", 0.0))
+    if not -90 <= degrees <= 90:
+        raise DataError(f"angle in [[lights]] must be -90 to 90; got {degrees:g}")
+    own = np.deg2rad(degrees) if "angle" in table else angle
+    return DirectionalLight(frame.direction(own), illuminant, strength)
+
+
+def _illuminant(table: dict[str, Any], folder: Path) -> str | Illuminant:
+    """Return a light's spectrum: a name, a black body, or a measured one."""
+    sources = table.keys() & {"illuminant", "temperature", "spectrum"}
+    if len(sources) > 1:
+        raise DataError(
+            "[[lights]] takes one of illuminant, temperature and spectrum; got "
+            f"{', '.join(sorted(sources))}"
+        )
+    if "temperature" in table:
+        return black_body(table["temperature"])
+    if "spectrum" in table:
+        return read_illuminant(folder / table["spectrum"])
+    return str(table.get("illuminant", "D65"))
 
 
 def _camera(table: dict[str, Any], frame: HandFrame | None, angle: float) -> Camera:
     """Return the camera, its direction given or on the other side from the light."""
+    options = {
+        key: table[key] for key in ("distance", "target", "height") if key in table
+    }
     size = table.get("size", [1024, 1024])
     if frame is None:
-        return Camera(table["direction"], table["up"], size)
+        return Camera(table["direction"], table["up"], size, **options)
     return Camera(
         table.get("direction", frame.direction(-angle)),
         table.get("up", frame.fingers),
         size,
+        **options,
     )
 
 

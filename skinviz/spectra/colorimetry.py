@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinviz._validate import as_spectra, as_wavelengths, one_of
 from skinviz.errors import ArgumentError
-from skinviz.spectra.illuminants import illuminant_spd
+from skinviz.spectra.illuminants import Illuminant, illuminant_spd
 from skinviz.spectra.wavelengths import band_widths, resample
 
 Array = NDArray[np.float64]
@@ -19,13 +19,14 @@ Array = NDArray[np.float64]
 OBSERVERS = ("cie1931", "cie1964")
 """Standard observers: 2° of 1931 (the default) and 10° of 1964."""
 
-_SRGB_FROM_XYZ = np.array(
+SRGB_FROM_XYZ = np.array(
     [
         [3.2406, -1.5372, -0.4986],
         [-0.9689, 1.8758, 0.0415],
         [0.0557, -0.2040, 1.0570],
     ]
-)  # IEC 61966-2-1:1999, eq. (7)
+)
+"""XYZ, Y = 1 for white, to linear sRGB; IEC 61966-2-1:1999, eq. (7)."""
 
 
 @cache
@@ -102,10 +103,10 @@ def xyz_weights(
 def spectrum_to_xyz(
     reflectance: ArrayLike,
     wavelengths: ArrayLike,
-    illuminant: str = "D65",
+    illuminant: str | Illuminant = "D65",
     observer: str = "cie1931",
 ) -> Array:
-    """Return XYZ of reflectances under a CIE illuminant, perfect white Y = 1.
+    """Return XYZ of reflectances under an illuminant, perfect white Y = 1.
 
     Parameters
     ----------
@@ -113,8 +114,8 @@ def spectrum_to_xyz(
         [1]
     wavelengths : (n,) array_like
         [nm]
-    illuminant : str
-        Name of a CIE illuminant.
+    illuminant : str or Illuminant
+        As for :func:`skinviz.spectra.illuminants.as_illuminant`.
     observer : str
         See :func:`colour_matching_functions`.
 
@@ -191,7 +192,7 @@ def delta_e_2000(lab: ArrayLike, other: ArrayLike) -> Array:
 
 def xyz_to_linear_srgb(xyz: ArrayLike) -> Array:
     """Return linear sRGB of XYZ with Y = 1 for display white; not clipped."""
-    return np.asarray(np.asarray(xyz, dtype=np.float64) @ _SRGB_FROM_XYZ.T)
+    return np.asarray(np.asarray(xyz, dtype=np.float64) @ SRGB_FROM_XYZ.T)
 
 
 def encode_srgb(linear: ArrayLike) -> Array:

@@ -15,7 +15,7 @@ from skinviz import fit_skin, skin_model, skin_models, write_spectra
 from skinviz.cli.fit_text import MOST_ROWS
 from skinviz.cli.main import main
 from skinviz.cli.output import progress_bar
-from skinviz.scene.scene_file import skin_from_fit_file
+from skinviz.scene.scene_skin import skin_from_fit_file
 
 NM = np.arange(400.0, 701.0, 10.0)
 MODEL = skin_model(site="cheek", specular="included")

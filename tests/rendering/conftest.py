@@ -1,6 +1,5 @@
 """Scenes on which eq. (10) has a closed form, and an independent colour library."""
 
-import importlib
 import warnings
 from dataclasses import dataclass, field
 
@@ -9,6 +8,9 @@ import pytest
 
 from meshes import plane
 from skinviz import Camera, DirectionalLight, Scene, Skin, TorranceSparrow, skin_model
+from skinviz.rendering.shade import shade, vertex_xyz
+from skinviz.rendering.stage import stage_of
+from skinviz.spectra.display import SRGB
 
 
 @dataclass(frozen=True)
@@ -59,23 +61,14 @@ def white(matt):
 
 
 @pytest.fixture
-def xyz_of(monkeypatch):
-    """Shade a scene and give the XYZ that its colours were made of, with the mesh."""
-
-    # The package's name for it is the function, so the module is asked for.
-    shading = importlib.import_module("skinviz.rendering.shade")
+def xyz_of():
+    """Shade a scene and give the XYZ that its colours are made of, with the mesh."""
 
     def run(scene):
-        seen = []
-        encode = shading.to_srgb8
-
-        def spy(xyz):
-            seen.append(xyz.copy())
-            return encode(xyz)
-
-        with monkeypatch.context() as patch:
-            patch.setattr(shading, "to_srgb8", spy)
-            mesh = shading.shade(scene)
-        return seen[0], mesh
+        mesh = shade(scene)
+        stage = stage_of(scene)
+        linear = SRGB.linear(vertex_xyz(stage))
+        np.testing.assert_array_equal(mesh.point_data["rgb"], SRGB.encode8(linear)[0])
+        return vertex_xyz(stage), mesh
 
     return run

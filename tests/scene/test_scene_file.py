@@ -9,7 +9,7 @@ from meshes import plane, toy_hand
 from skinviz import fit_skin, hand_frame, load_archive, read_scene, skin_model
 from skinviz.errors import DataError, MeshError, SkinvizError
 from skinviz.scan.formats import write_mesh
-from skinviz.scene.scene_file import skin_from_fit_file
+from skinviz.scene.scene_skin import skin_from_fit_file
 from skinviz.skin.report import fit_to_dict
 
 SKIN = """

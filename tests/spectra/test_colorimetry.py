@@ -22,7 +22,7 @@ from skinviz.spectra.colorimetry import (
     xyz_to_linear_srgb,
     xyz_weights,
 )
-from skinviz.spectra.illuminants import illuminant_spd, illuminants
+from skinviz.spectra.illuminants import Illuminant, illuminant_spd, illuminants
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS as NM
 
 NAMES = {
@@ -48,27 +48,84 @@ def test_observers_are_the_cies(colour, observer):
     assert_allclose(colour_matching_functions(nm, observer), expected, rtol=1e-9)
 
 
-@pytest.mark.parametrize("observer", OBSERVERS)
-@pytest.mark.parametrize("illuminant", ["A", "D50", "D65", "FL2", "E"])
-def test_xyz_is_colour_sciences_on_the_same_bands(colour, illuminant, observer):
-    rng = np.random.default_rng(1)
-    shape = colour.SpectralShape(400, 700, 5)
-    cmfs = colour.MultiSpectralDistributions(colour.MSDS_CMFS[NAMES[observer]][NM], NM)
-    lamp = colour.SpectralDistribution(colour.SDS_ILLUMINANTS[illuminant][NM], NM)
-    reflectance = rng.uniform(0, 1, (4, NM.size))
-    expected = [
+def by_colour_science(colour, reflectance, nm, spd, observer):
+    """Return XYZ (n, 3) of spectra by colour-science's own sums, white Y = 1."""
+    step = nm[1] - nm[0]
+    shape = colour.SpectralShape(nm[0], nm[-1], step)
+    functions = colour_matching_functions(nm, observer)
+    return [
         colour.sd_to_XYZ(
-            colour.SpectralDistribution(row, NM),
-            cmfs,
-            lamp,
+            colour.SpectralDistribution(row, nm),
+            colour.MultiSpectralDistributions(functions, nm),
+            colour.SpectralDistribution(spd, nm),
             method="Integration",
             shape=shape,
         )
         / 100
         for row in reflectance
     ]
+
+
+GRIDS = {
+    "400-700/5": (400, 700, 5),
+    "380-780/1": (380, 780, 1),
+    "380-780/5": (380, 780, 5),
+    "400-700/10": (400, 700, 10),
+    "420-660/20": (420, 660, 20),
+    "400-699/2.5": (400, 697.5, 2.5),
+}
+
+
+@pytest.mark.parametrize("observer", OBSERVERS)
+@pytest.mark.parametrize("illuminant", [*illuminants(), "3200 K", "100 K", "1e6 K"])
+@pytest.mark.parametrize("grid", GRIDS.values(), ids=GRIDS)
+def test_xyz_is_colour_sciences_on_the_same_bands(colour, grid, illuminant, observer):
+    first, last, step = grid
+    nm = np.arange(first, last + step / 2, step, dtype=float)
+    reflectance = np.random.default_rng(1).uniform(0, 1, (2, nm.size))
+    spd = illuminant_spd(illuminant, nm)
+    expected = by_colour_science(colour, reflectance, nm, spd, observer)
+    found = spectrum_to_xyz(reflectance, nm, illuminant, observer)
+    # colour-science's own rounding shows in the blue of a body of 100 K, 1e-16.
+    assert_allclose(found, expected, rtol=QUADRATURE, atol=1e-14)
+
+
+@pytest.mark.parametrize("observer", OBSERVERS)
+@pytest.mark.parametrize("illuminant", ["A", "D50", "D65", "FL2", "E"])
+def test_xyz_is_that_of_colour_sciences_own_tables(colour, illuminant, observer):
+    shape = colour.SpectralShape(400, 700, 5)
+    reflectance = np.random.default_rng(2).uniform(0, 1, NM.size)
+    expected = (
+        colour.sd_to_XYZ(
+            colour.SpectralDistribution(reflectance, NM),
+            colour.MultiSpectralDistributions(
+                colour.MSDS_CMFS[NAMES[observer]][NM], NM
+            ),
+            colour.SpectralDistribution(colour.SDS_ILLUMINANTS[illuminant][NM], NM),
+            method="Integration",
+            shape=shape,
+        )
+        / 100
+    )
     found = spectrum_to_xyz(reflectance, NM, illuminant, observer)
     assert_allclose(found, expected, rtol=QUADRATURE)
+
+
+@pytest.mark.parametrize("unit", [1e-30, 1.0, 1e30])
+def test_xyz_under_a_measured_lamp_is_colour_sciences(colour, unit):
+    rng = np.random.default_rng(3)
+    own_nm = np.sort(rng.uniform(390, 710, 200))
+    own_nm[[0, -1]] = 390, 710
+    lamp = Illuminant("lamp", own_nm, rng.uniform(0, 1, 200) * unit)
+    spd = np.interp(NM, own_nm, lamp.power)
+    reflectance = rng.uniform(0, 1, (2, NM.size))
+    expected = by_colour_science(colour, reflectance, NM, spd / unit, "cie1931")
+    assert_allclose(spectrum_to_xyz(reflectance, NM, lamp), expected, rtol=QUADRATURE)
+
+
+def test_a_lamp_that_does_not_reach_is_refused():
+    with pytest.raises(ArgumentError, match="illuminant lamp covers 450 to 700 nm"):
+        spectrum_to_xyz(np.ones(61), NM, Illuminant("lamp", [450, 700], [1, 1]))
 
 
 @pytest.mark.parametrize("illuminant", illuminants())

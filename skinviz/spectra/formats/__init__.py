@@ -7,8 +7,11 @@ values; :mod:`skinviz.spectra.files` does these for all formats alike.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+
 from skinviz.spectra.formats import cgats, delimited, envi, netcdf, spdx
-from skinviz.spectra.formats.raw import Format
+from skinviz.spectra.formats.raw import Format, RawSpectra
 
 FORMATS: dict[str, Format] = {
     ".csv": delimited,
@@ -20,3 +23,13 @@ FORMATS: dict[str, Format] = {
     ".hdr": envi,
 }
 """Which module reads and writes the files of a suffix."""
+
+LAMP_READERS: dict[str, Callable[[Path], RawSpectra]] = {
+    ".csv": delimited.read,
+    ".tsv": delimited.read,
+    ".spdx": spdx.read_lamp,
+    ".cgats": cgats.read_lamp,
+    ".txt": cgats.read_lamp,
+    ".sp": cgats.read_lamp,
+}
+"""Which function reads the light of a lamp from the files of a suffix."""

@@ -14,6 +14,7 @@ References
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,11 +55,23 @@ _ROUNDED = 0.51  # nm by which a field's name may be rounded, as SPEC_383 for 38
 
 
 def read(file: Path) -> RawSpectra:
-    """Return the spectra of the file's only table that has spectral fields."""
+    """Return the reflectances of the file's only table that has spectral fields."""
+    return _read(file, _require_reflectance)
+
+
+def read_lamp(file: Path) -> RawSpectra:
+    """Return the light in the file's only table that has spectral fields."""
+    return _read(file, _require_light)
+
+
+def _read(
+    file: Path, require_kind: Callable[[dict[str, str], Path], None]
+) -> RawSpectra:
+    """Return the spectra of a table whose keywords pass as of the right kind."""
     lines = read_lines(file)
     notes = dict(note(line) for line in lines if line.startswith("#"))
     table = _spectral_table(tables_of(lines, file), file)
-    _require_reflectance(table.keywords, file)
+    require_kind(table.keywords, file)
     _require_whole(table, file)
     wavelengths, columns, paired = _bands(table, file)
     values = [
@@ -132,6 +145,13 @@ def _require_reflectance(keywords: dict[str, str], file: Path) -> None:
     if not kind.startswith("REFLECT") or device in ("DISPLAY", "EMISINPUT"):
         what = f"DEVICE_CLASS {device}" if device else f"MEAS_TYPE {kind[:40]}"
         raise DataError(f"{file}: {what} is not reflectance, which is expected")
+
+
+def _require_light(keywords: dict[str, str], file: Path) -> None:
+    """Refuse what was measured on paper or film; a file need not say what it has."""
+    kind = keywords.get("MEAS_TYPE", "EMISSION").upper()
+    if not kind.startswith(("EMISSI", "AMBIENT")):
+        raise DataError(f"{file}: MEAS_TYPE {kind[:40]} is no light, which is expected")
 
 
 def _require_whole(table: Table, file: Path) -> None:

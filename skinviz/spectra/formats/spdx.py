@@ -38,7 +38,8 @@ _NAMESPACE = "http://www.ies.org/iestm2714"
 _ROOT = re.compile(r"\{([^}]*iestm2714)\}IESTM2714")
 _AT_MOST = 4 * 2**20  # bytes; 0.1 nm steps from 200 to 2500 nm need 1.5
 
-_QUANTITIES = ("reflectance", "R-Factor")
+_REFLECTANCES = ("reflectance", "R-Factor")
+_LIGHTS = ("flux", "intensity", "irradiance", "radiance", "exitance", "relative")
 # What the standard's codes say of the surface reflection; None where nothing.
 _GEOMETRIES = {
     **dict.fromkeys(("di:8", "8:di"), "included"),
@@ -51,7 +52,17 @@ _NOTED = ("specular", "geometry")  # kept as lines of the comments where it must
 
 
 def read(file: Path) -> RawSpectra:
-    """Return the spectrum of a TM-27-14 file, which has 0–1 by its standard."""
+    """Return the reflectance of a TM-27-14 file, which has 0–1 by its standard."""
+    return _read(file, _REFLECTANCES)
+
+
+def read_lamp(file: Path) -> RawSpectra:
+    """Return the light of a TM-27-14 file, in whatever unit it is."""
+    return _read(file, _LIGHTS)
+
+
+def _read(file: Path, quantities: tuple[str, ...]) -> RawSpectra:
+    """Return the spectrum of a TM-27-14 file if it is of one of the quantities."""
     root = _root(file)
     named = _ROOT.fullmatch(root.tag)
     if named is None:
@@ -67,10 +78,10 @@ def read(file: Path) -> RawSpectra:
             "one"
         )
     quantity = _text(found[0], "SpectralQuantity", spaces)
-    if quantity not in _QUANTITIES:
+    if quantity not in quantities:
         raise DataError(
             f"{file}: the SpectralQuantity is {quantity[:40]!r}; spectra of "
-            f"{' or '.join(_QUANTITIES)} are read"
+            f"{' or '.join(quantities)} are read"
         )
     wavelengths, values = _bands(found[0], spaces, file)
     header = root.find("Header", spaces)
