@@ -15,13 +15,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numba import types
 
 from skinviz._compile import compiled, inlined
-from skinviz.surface.kernels import fresnel
+from skinviz.surface.kernels import LOBE, fresnel
 
 BLOCK = 256
 """Points that are worked on together, so that all of theirs stays near."""
 
+_VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
 _LEAST = 1e-300  # added to squares whose root divides: 0 stays 0, never 0/0
 
 
@@ -63,6 +65,7 @@ def _cosines(
         rows[_FALL + i] = lw * (reach / square) + (1 - lw)
 
 
+<<<<<<< HEAD
 @inlined
 def _far_cosines(normals: Any, start: Any, n: Any, to: Any, rows: Any) -> None:
     """Fill in the same where light and eye are far: H is the same everywhere."""
@@ -97,6 +100,14 @@ def _fill(
 
 
 @compiled()
+=======
+@compiled(
+    types.void(
+        *(_MATRIX, _MATRIX, types.int64, _MATRIX, _VECTOR, _VECTOR),
+        *(LOBE, _VECTOR, _VECTOR, types.uint8[:, ::1], _MATRIX),
+    )
+)
+>>>>>>> surfaces2
 def scalars(
     points: Any,
     normals: Any,
