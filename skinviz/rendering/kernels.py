@@ -65,7 +65,6 @@ def _cosines(
         rows[_FALL + i] = lw * (reach / square) + (1 - lw)
 
 
-<<<<<<< HEAD
 @inlined
 def _far_cosines(normals: Any, start: Any, n: Any, to: Any, rows: Any) -> None:
     """Fill in the same where light and eye are far: H is the same everywhere."""
@@ -99,15 +98,12 @@ def _fill(
         _cosines(points, normals, start, n, to, reach, rows)
 
 
-@compiled()
-=======
 @compiled(
     types.void(
         *(_MATRIX, _MATRIX, types.int64, _MATRIX, _VECTOR, _VECTOR),
         *(LOBE, _VECTOR, _VECTOR, types.uint8[:, ::1], _MATRIX),
     )
 )
->>>>>>> surfaces2
 def scalars(
     points: Any,
     normals: Any,

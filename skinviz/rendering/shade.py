@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 
-_SLICE = 2**14  # vertices that a thread shades in one go
+_SLICE = 2**15  # vertices that a thread shades in one go
 
 
 @dataclass(frozen=True)
