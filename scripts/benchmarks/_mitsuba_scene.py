@@ -6,7 +6,7 @@ The light is the 61 bands' and nothing else: linear between them and falling to 
 
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mitsuba as mi
@@ -57,14 +57,19 @@ def ball(setting: Setting, material: Material, radius: float):
 
 
 def white(setting: Setting, film: dict | None = None):
-    """Return Mitsuba's scene of the perfect diffuser that faces the light."""
-    facing = mi.ScalarTransform4f().look_at(
-        list(setting.view.target), list(setting.view.target + setting.light), [0, 0, 1]
+    """Return Mitsuba's scene of the perfect diffuser that faces light and viewer."""
+    view, towards = setting.view, setting.light
+    up = np.cross(towards, np.roll(towards, 1))
+    up = up / np.linalg.norm(up)
+    right = np.cross(up, towards)
+    facing = replace(setting, view=replace(view, right=right, up=up, direction=towards))
+    plate = mi.ScalarTransform4f().look_at(
+        list(view.target), list(view.target + towards), list(up)
     )
     size = mi.ScalarTransform4f().scale(1e4)
-    shape = {"type": "rectangle", "to_world": facing @ size}
+    shape = {"type": "rectangle", "to_world": plate @ size}
     material = Material(np.ones(setting.wavelengths.size))
-    return _scene(setting, material, shape, BEST_SAMPLER, film)
+    return _scene(facing, material, shape, BEST_SAMPLER, film)
 
 
 def spectral_film(wavelengths: np.ndarray) -> dict:
