@@ -71,7 +71,8 @@ def cast(sight: Sight, cells: Array, pixels: Whole) -> Hits:
         *(geometry.points, geometry.faces, geometry.normals),
         *(hit, weights, points, normals, lifted),
     )
-    covered = (triangles >= 0).reshape(pixels.size, -1).sum(axis=1, dtype=np.uint8)
+    shape = (pixels.size, len(cells))
+    covered = (triangles >= 0).reshape(shape).sum(axis=1, dtype=np.uint8)
     return Hits(
         hit[:m] // len(cells),
         triangles[hit[:m]],
