@@ -29,7 +29,7 @@ class Geometry:
     Attributes
     ----------
     points : (n, 3) ndarray
-        Vertices, in these coordinates. [1]
+        Vertices, in these coordinates; those without a triangle are at another's. [1]
     faces : (m, 3) ndarray of int32
         Corners of the triangles.
     normals : (n, 3) ndarray
@@ -118,10 +118,8 @@ def geometry_of(mesh: pyvista.PolyData) -> Geometry:
         If the mesh is empty, has vertices that are not finite, or no area.
     """
     points, faces = require_triangles(mesh, "the scene's mesh")
-    named = np.zeros(len(points), dtype=bool)
-    named[faces] = True
-    used = points[named]
-    low, high = used.min(axis=0), used.max(axis=0)
+    points = _without_strays(points, faces)
+    low, high = points.min(axis=0), points.max(axis=0)
     centre, scale = low / 2 + high / 2, float((high - low).max() / 2)
     if not 0 < scale < np.inf:
         raise MeshError(
@@ -134,8 +132,20 @@ def geometry_of(mesh: pyvista.PolyData) -> Geometry:
     return Geometry(
         points=inside,
         faces=np.ascontiguousarray(faces, dtype=np.int32),
-        normals=topology.vertex_normals(points, faces),
+        normals=topology.vertex_normals(inside, faces),
         centre=centre,
         scale=scale,
         centroid=np.average(inside[faces].mean(axis=1), axis=0, weights=area),
     )
+
+
+def _without_strays(points: Array, faces: NDArray[np.int64]) -> Array:
+    """Return the points, with those that no triangle has put where one is.
+
+    They are not seen, and may be anywhere: no camera is aimed at them.
+    """
+    stray = np.ones(len(points), dtype=bool)
+    stray[faces] = False
+    if stray.any():
+        points = np.where(stray[:, None], points[faces[0, 0]], points)
+    return points
