@@ -59,6 +59,11 @@ class Geometry:
         TriangleMesh(scene, self.points.astype(np.float32), self.faces)
         return scene
 
+    @cached_property
+    def lost(self) -> NDArray[np.int64]:
+        """The vertices that belong to no triangle with an area: without a normal."""
+        return np.flatnonzero(~self.normals.any(axis=1))
+
     @property
     def in_mm(self) -> Array:
         """The vertices (n, 3) in the mesh's own coordinates. [mm]"""
