@@ -1,4 +1,4 @@
-"""Meshes made ready: what is kept of them, what is refused, and that size is nothing."""
+"""Meshes made ready: what is kept of them, what is refused; size does not matter."""
 
 import numpy as np
 import pytest
