@@ -78,20 +78,59 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
             f"{light.spectrum.name}, strength {light.strength:g}, {light.place}"
             for light in scene.lights
         ],
-        "view": (
-            f"from {np.round(scene.camera.direction, 3).tolist()}, "
-            f"{scene.camera.size[0]} x {scene.camera.size[1]} pixels, parallel rays"
-        ),
-        "computed": [
-            f"radiance at every vertex on {scene.wavelengths.size} wavelengths, "
-            f"{scene.wavelengths[0]:g}-{scene.wavelengths[-1]:g} nm: diffuse "
-            "(Lambert) and specular",
-            f"colour through CIE XYZ ({scene.observer}), sRGB, no white adaptation, "
-            f"exposure {scene.exposure:g}",
-        ],
-        "left out": "cast shadows, light between fingers, transport along the skin",
+        "view": [_view(scene), _frame(scene)],
+        "computed": _computed(scene),
+        "left out": _left_out(scene),
         "energy": _energy(float(np.max(body)), scene),
     }
+
+
+def _view(scene: Scene) -> str:
+    """Return from where a scene is seen."""
+    import numpy as np
+
+    camera = scene.camera
+    width, height = camera.size
+    far = np.isinf(camera.distance)
+    rays = "parallel rays" if far else f"the eye {camera.distance:g} mm from its target"
+    return (
+        f"from {np.round(camera.direction, 3).tolist()}, {rays}, {width} x {height} "
+        "pixels"
+    )
+
+
+def _frame(scene: Scene) -> str:
+    """Return what part of a scene is seen, and for which display."""
+    import numpy as np
+
+    camera = scene.camera
+    shown = "the whole mesh" if camera.height is None else f"{camera.height:g} mm high"
+    if camera.target is not None:
+        shown += f" about {np.round(camera.target, 3).tolist()} mm"
+    adapted = "no adaptation" if scene.white == "none" else f"{scene.white} adaptation"
+    return f"{shown}; for {scene.display.name}, {adapted}, exposure {scene.exposure:g}"
+
+
+def _computed(scene: Scene) -> list[str]:
+    """Return what is computed of a scene."""
+    bands = scene.wavelengths
+    bounce = scene.interreflection != "none"
+    return [
+        f"radiance of every pixel on {bands.size} wavelengths, {bands[0]:g}-"
+        f"{bands[-1]:g} nm: diffuse (Lambert) and specular, with cast shadows"
+        + (" and one diffuse bounce of light" if bounce else ""),
+        f"colour through CIE XYZ ({scene.observer})",
+    ]
+
+
+def _left_out(scene: Scene) -> str:
+    """Return what is not computed of a scene."""
+    bounce = (
+        "light that bounces more than once"
+        if scene.interreflection != "none"
+        else 'light between fingers (interreflection = "none")'
+    )
+    return f"{bounce}; transport of light along the skin"
 
 
 def _energy(body: float, scene: Scene) -> str:

@@ -76,10 +76,10 @@ def cast(sight: Sight, cells: Array, pixels: Whole) -> Hits:
     return Hits(
         hit[:m] // len(cells),
         triangles[hit[:m]],
-        weights[:, :m],
-        points[:, :m],
-        normals[:, :m],
-        lifted[:, :m],
+        np.ascontiguousarray(weights[:, :m]),
+        np.ascontiguousarray(points[:, :m]),
+        np.ascontiguousarray(normals[:, :m]),
+        np.ascontiguousarray(lifted[:, :m]),
         covered,
     )
 

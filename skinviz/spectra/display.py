@@ -22,7 +22,7 @@ from skinviz.errors import ArgumentError, DataError
 from skinviz.spectra.colorimetry import SRGB_FROM_XYZ
 from skinviz.spectra.curves import Curve, PowerCurve, SrgbCurve, measured_curve
 from skinviz.spectra.encoding import DisplayCounts, Encoder, encoder
-from skinviz.spectra.icc import parse_profile
+from skinviz.spectra.icc import LARGEST_PROFILE, parse_profile
 
 __all__ = [
     "SRGB",
@@ -83,7 +83,9 @@ class Display:
 
     def linear(self, xyz: ArrayLike) -> Array:
         """Return linear colours (..., 3) of XYZ (..., 3), Y = 1 for white; not cut."""
-        return np.asarray(as_numbers(xyz, "XYZ") @ self.matrix.T)
+        values = as_numbers(xyz, "XYZ")
+        _require_three(values)
+        return np.asarray(values @ self.matrix.T)
 
     def encode(self, linear: ArrayLike) -> Array:
         """Return the encoded values (..., 3) in [0, 1] of linear colours (..., 3)."""
@@ -225,7 +227,14 @@ def read_icc(path: str | os.PathLike[str]) -> Display:
         alone.
     """
     file = existing_file(path, DataError)
-    content = file.read_bytes()
+    if file.stat().st_size > LARGEST_PROFILE:
+        raise DataError(
+            f"{file}: an ICC profile has at most {LARGEST_PROFILE // 2**20} MiB"
+        )
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise DataError(f"{file}: cannot be read: {error.strerror}") from error
     parsed = parse_profile(content, str(file))
     try:
         _require_independent(parsed.primaries)
@@ -281,9 +290,14 @@ def _curve(given: Any) -> Curve:
 
 def _by_channel(laws: Sequence[Callable[[Array], Array]], values: Array) -> Array:
     """Return each channel's law of its own values, on the last axis (3)."""
+    _require_three(values)
+    return np.stack([law(values[..., i]) for i, law in enumerate(laws)], axis=-1)
+
+
+def _require_three(values: Array) -> None:
+    """Refuse what has not three numbers on its last axis."""
     if values.ndim == 0 or values.shape[-1] != 3:
         raise ArgumentError(f"colours must be (..., 3); got shape {values.shape}")
-    return np.stack([law(values[..., i]) for i, law in enumerate(laws)], axis=-1)
 
 
 @cache

@@ -66,7 +66,8 @@ class Encoder:
 
         colours = _as_colours(linear)
         chosen = _as_mask(counted, colours.shape[:-1])
-        flat = np.ascontiguousarray(colours.reshape(-1, 3))
+        # Writeable, or the loop would be compiled once more.
+        flat = np.require(colours.reshape(-1, 3), requirements=["C", "W"])
         levels = np.zeros(flat.shape, dtype=self.first.dtype)
         over, under, undefined = encode(
             flat,

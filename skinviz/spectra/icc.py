@@ -22,7 +22,9 @@ from skinviz.spectra.curves import Curve, PowerCurve, TableCurve
 
 Array = NDArray[np.float64]
 
-_AT_MOST = 2**26  # bytes
+LARGEST_PROFILE = 2**26
+"""That is read. [bytes]"""
+
 _MOST_TAGS = 1000
 _D50 = np.array([0.9642, 1.0, 0.8249])  # of the connection space
 _WHITE_TO = 0.1  # by which primaries may add to another Y than 1
@@ -77,8 +79,6 @@ def _require_rgb(content: bytes) -> None:
     """Refuse what is no whole profile of an RGB device with XYZ behind it."""
     if len(content) < 132 or content[36:40] != b"acsp":
         raise DataError("is none: it has no header with the mark 'acsp'")
-    if len(content) > _AT_MOST:
-        raise DataError(f"has {len(content)} bytes; expected at most {_AT_MOST}")
     (size,) = struct.unpack_from(">I", content)
     if size > len(content):
         raise DataError(f"is cut off: {len(content)} bytes of {size}")
@@ -132,14 +132,14 @@ def _require_white(primaries: Array) -> None:
 def _to_d50(content: bytes, tags: dict[str, bytes]) -> Array:
     """Return the matrix (3, 3) by which colours were taken to white D50.
 
-    Version 2 may keep the display's own white instead, adapted as Bradford does.
+    A display's of version 2 may keep its own white instead, adapted as Bradford does.
     """
     if "chad" in tags:
         matrix = _fixed(tags["chad"], b"sf32", 9, "chad").reshape(3, 3)
         if abs(np.linalg.det(matrix)) < 1e-3:
             raise DataError("has in chad a matrix that cannot be undone")
         return matrix
-    if content[8] < 4 and "wtpt" in tags:
+    if content[8] < 4 and content[12:16] == b"mntr" and "wtpt" in tags:
         white = _xyz(tags["wtpt"], "wtpt")
         if white.min() <= 0.01:
             raise DataError(f"has the white {white.tolist()}, which is none")

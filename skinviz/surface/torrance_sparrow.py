@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinviz._validate import in_range, one_of
-from skinviz.surface.fresnel import fresnel_reflectance
+from skinviz.surface.evaluation import cosines, specular, unit_vectors
+from skinviz.surface.fresnel import as_index, fresnel_reflectance
 
 Array = NDArray[np.float64]
 
@@ -75,14 +76,21 @@ class TorranceSparrow:
     @property
     def constants(self) -> Array:
         """What the lobe is given."""
-        return np.array([self.beta, self.gamma, float(self.masking != "none")])
+        steepness = np.sqrt(_LN2) / self.gamma
+        return np.array([self.beta, steepness, float(self.masking != "none")])
 
     @property
     def beta(self) -> float:
         """The weight β of eq. (10). [1]"""
         return self.specular_scale * physical_beta(self.gamma)
 
-    def evaluate(self, normals: ArrayLike, light: ArrayLike, view: ArrayLike) -> Array:
+    def evaluate(
+        self,
+        normals: ArrayLike,
+        light: ArrayLike,
+        view: ArrayLike,
+        n: ArrayLike | None = None,
+    ) -> Array:
         """Return β D F G/(N·V): specular radiance over that of the lit diffuser.
 
         Parameters
@@ -90,6 +98,9 @@ class TorranceSparrow:
         normals, light, view : (..., 3) array_like
             Unit vectors from the surface: its normal, towards light and viewer;
             broadcast together.
+        n : (...) array_like, optional
+            Refractive index instead of the surface's own, broadcast with the
+            vectors. [1], ≥ 1
 
         Returns
         -------
@@ -97,21 +108,40 @@ class TorranceSparrow:
             To be multiplied by E(λ), the radiance of the perfect diffuser lit at
             normal incidence. 0 where the light is behind the surface. [1]
 
+        Raises
+        ------
+        ArgumentError
+            If a vector is not of length 1, or an index below 1 or not finite.
+
         Notes
         -----
         G/(N·V) is one expression, finite unless light and viewer both graze. A
         normal that faces away from the viewer, as interpolated normals do at
         silhouettes, counts as N·V = 0.001.
         """
-        N, L, V = (np.asarray(x, dtype=np.float64) for x in (normals, light, view))
-        half, cos_facet = _halfway(L, V)
-        NL, NV, NH = (_dot(N, x) for x in (L, V, half))
-        lit = NL > 0
+        index = as_index(self.n if n is None else n)
+        return specular(self.lobe, self.constants, index, normals, light, view)
+
+    def parts(
+        self,
+        normals: ArrayLike,
+        light: ArrayLike,
+        view: ArrayLike,
+        n: ArrayLike | None = None,
+    ) -> dict[str, Array]:
+        """Return the factors of :meth:`evaluate` without β, for plots.
+
+        ``"distribution"`` is D, ``"attenuation"`` G/(N·V), ``"fresnel"`` F.
+        """
+        index = as_index(self.n if n is None else n)
+        seen = cosines(*unit_vectors(normals, light, view))
+        NL, NV, NH, SH, VH = seen
         NV = np.maximum(NV, _SMALLEST_COSINE)
-        facets = facet_distribution(N, half, self.gamma)
-        fresnel = fresnel_reflectance(cos_facet, self.n)
-        spread = self._masked(NH, NV, np.where(lit, NL, 1.0), cos_facet)
-        return np.where(lit, self.beta * facets * fresnel * spread, 0.0)
+        return {
+            "distribution": _gaussian(np.arctan2(SH, NH), self.gamma),
+            "attenuation": np.where(NL > 0, self._masked(NH, NV, NL, VH), 0.0),
+            "fresnel": fresnel_reflectance(VH, index),
+        }
 
     def _masked(self, NH: Array, NV: Array, NL: Array, VH: Array) -> Array:
         """Return G/(N·V), or 1/(N·V) without masking."""
@@ -131,7 +161,11 @@ def facet_distribution(normals: Array, half: Array, gamma: float) -> Array:
     φ comes from the sine and the cosine together, accurate at small angles.
     """
     sine = np.linalg.norm(np.cross(normals, half), axis=-1)
-    angle = np.arctan2(sine, _dot(normals, half))
+    return _gaussian(np.arctan2(sine, _dot(normals, half)), gamma)
+
+
+def _gaussian(angle: Array, gamma: float) -> Array:
+    """Return D at angles [rad]."""
     with np.errstate(under="ignore"):
         return np.asarray(np.exp(-_LN2 * np.square(angle / gamma)))
 
@@ -188,14 +222,6 @@ def specular_albedo(
         flux = np.where(seen, leaving * 4 * facing * area, 0.0).sum()
         shares.append(flux / (np.pi * np.cos(angle)))
     return float(max(shares))
-
-
-def _halfway(light: Array, view: Array) -> tuple[Array, Array]:
-    """Return the halfway vector H and the cosine V·H at which facets mirror."""
-    total = light + view
-    length = np.linalg.norm(total, axis=-1, keepdims=True)
-    half = np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12)
-    return half, np.clip(length[..., 0] / 2, 0.0, 1.0)
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Meshes made ready: what is kept of them, what is refused; size does not matter."""
+"""Meshes made ready: what is kept of them, what is refused; size is nothing."""
 
 import numpy as np
 import pytest

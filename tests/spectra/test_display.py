@@ -35,6 +35,7 @@ DISPLAYS = {
     "flat pieces": measured_display(ADOBE.T, FLAT),
     "mixed": measured_display(ADOBE.T, [FLAT, SrgbCurve(), PowerCurve(4.0)]),
     "a jump": measured_display(ADOBE.T, [[0, 0], [0.5, 0.1], [0.5001, 0.9], [1, 1]]),
+    "a cliff": measured_display(ADOBE.T, [[0, 0], [0.9999999, 0], [1, 1]]),
     "with flare": measured_display(
         ADOBE.T, PowerCurve(2.0, 0.98, 0.0, 0.0, 0.0, 0.02, 0.02)
     ),
@@ -188,6 +189,7 @@ def test_parts_of_arrays_are_encoded_as_they_lie():
 def test_colours_are_left_as_they_were():
     colours = np.random.default_rng(5).uniform(-1, 2, (300, 3))
     before = colours.copy()
+    colours.setflags(write=False)
     SRGB.encode8(colours)
     assert_array_equal(colours, before)
 
@@ -444,7 +446,7 @@ def test_a_display_cannot_be_changed_behind_its_back():
     assert display.encode8(np.full(3, 0.2))[0].tolist() == [124] * 3
 
 
-@pytest.mark.parametrize("method", ["encode", "decode"])
+@pytest.mark.parametrize("method", ["encode", "decode", "linear"])
 def test_curves_need_three_channels(method):
     for colours in (0.5, [0.5, 0.5], np.zeros((3, 4))):
         with pytest.raises(ArgumentError, match=r"colours must be \(..., 3\)"):

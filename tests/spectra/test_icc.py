@@ -191,6 +191,14 @@ def test_version_4_without_chad_has_white_d50(read):
     assert_allclose(display.white, make.D50, rtol=0, atol=1e-4)
 
 
+@pytest.mark.parametrize(("kind", "own"), [(b"mntr", True), (b"spac", False)])
+def test_only_displays_of_version_2_keep_their_white(read, kind, own):
+    tags = make.display_tags(version=2)
+    display = read(make.profile(tags, version=2, kind=kind))
+    expected = make.xyz_of(make.D65_XY) if own else make.D50
+    assert_allclose(display.white, expected, rtol=0, atol=1e-4)
+
+
 def test_every_level_survives_the_journey(read):
     levels = some_levels()
     for name, curves in CURVES.items():
@@ -327,6 +335,26 @@ def test_files_that_are_none_are_refused(tmp_path):
     (tmp_path / "empty.icc").touch()
     with pytest.raises(DataError, match="is empty"):
         read_icc(tmp_path / "empty.icc")
+
+
+def test_a_huge_file_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "huge.icc"
+    with path.open("wb") as file:
+        file.truncate(2**26 + 1)
+    with pytest.raises(DataError, match="at most 64 MiB"):
+        read_icc(path)
+
+
+def test_a_file_that_fails_while_it_is_read_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "a.icc"
+    path.write_bytes(make.profile(GOOD))
+
+    def fail(_):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(type(path), "read_bytes", fail)
+    with pytest.raises(DataError, match="cannot be read: Input/output error"):
+        read_icc(path)
 
 
 def test_a_broken_profile_is_read_or_refused(read):
