@@ -193,11 +193,7 @@ def _report(
                 float(scene.wavelengths[-1]),
                 int(scene.wavelengths.size),
             ],
-            "surface": {
-                "gamma_rad": scene.surface.gamma,
-                "n": scene.surface.n,
-                "beta": scene.surface.beta,
-            },
+            "surface": scene.surface.description,
             "marked_vertex": point,
             "not_shown_on_srgb": {
                 name: {
