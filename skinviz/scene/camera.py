@@ -107,7 +107,7 @@ class Camera:
             )
         width, height = self.size
         across, along = np.abs(plain.on_plane(points)).max(axis=0)
-        return float(max(2 * along, 2 * across * height / width, 1e-6) * _MARGIN)
+        return float(max(2 * along, 2 * across * height / width) * _MARGIN) or 1.0
 
 
 @dataclass(frozen=True, eq=False)
