@@ -69,11 +69,7 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
                 )
             ),
         ],
-        "surface": (
-            f"Torrance-Sparrow, gamma {surface.gamma:g} rad, n {surface.n:g}, beta "
-            f"{surface.beta:.4g} ({surface.specular_scale:.3g} of the physical), "
-            f"masking {surface.masking}"
-        ),
+        "surface": surface.description,
         "lights": [
             f"{light.spectrum.name}, strength {light.strength:g}, {light.place}"
             for light in scene.lights
@@ -135,14 +131,16 @@ def _left_out(scene: Scene) -> str:
 
 def _energy(body: float, scene: Scene) -> str:
     """Return the most that the scene's surface can reflect, with a warning above 1."""
+    from skinviz.rendering.lighting import refractive_index
     from skinviz.rendering.shade import vertex_gloss
-    from skinviz.surface.torrance_sparrow import specular_albedo
+    from skinviz.surface.energy import specular_albedo
 
-    gloss = specular_albedo(scene.surface)
+    surface, n = scene.surface, refractive_index(scene).max()
+    gloss = specular_albedo(surface, n=n)
     most = scene.diffuse_scale * body + gloss
     warning = "" if most <= 1 else "; above 1: the surface gives off more than it gets"
     brightest = float(vertex_gloss(scene).max())
-    if scene.surface.masking == "none" and brightest > 1:
+    if getattr(surface, "masking", "") == "none" and brightest > 1:
         warning += (
             f"; eq. (10) without masking diverges here, up to {brightest:.3g} times "
             "white: choose masking v-cavity"
