@@ -6,7 +6,7 @@ import _mitsuba_scene
 import numpy as np
 from _mitsuba_race import say
 from _mitsuba_scene import BEST_SAMPLER, Material, Setting
-from _skin_print import Row
+from _print import Row
 
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.lighting import light_spectra

@@ -13,7 +13,7 @@ import _mitsuba_scene
 import numpy as np
 from _mitsuba_error import Point, colour_map, difference
 from _mitsuba_scene import BEST_SAMPLER, DEFAULT_SAMPLER, Material, Setting
-from _skin_print import race
+from _print import race
 
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.plan import SAMPLES, Plan

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import _mitsuba_variant
 import numpy as np
-from _skin_print import HEAD, Row, busy, line, machine
+from _print import HEAD, Row, busy, line, machine
 
 SWEEP = (1, 4, 16, 64, 256, 1024, 4096)
 SPECTRAL_SIZE = 256  # Mitsuba's film of 61 bands is slow
