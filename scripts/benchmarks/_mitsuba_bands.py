@@ -42,7 +42,7 @@ def rows(scene: Scene, geometry: Geometry, setting: Setting, material: Material)
         f"{1e3 * seconds:.0f} ms, {_apart(coarse[inside], fine[inside]):.1%}; "
         f"{min(one, other) / seconds:.0f} × faster",
     )
-    plate = _mitsuba_scene.render(_mitsuba_scene.white(setting, film), 1024, 1)
+    plate = _mitsuba_scene.render(_mitsuba_scene.white(setting, film), 16, 1)
     seen = theirs[inside].mean(axis=0) / plate.mean(axis=(0, 1))
     own = fine[inside].astype(float).mean(axis=0) / light_spectra(scene)[0]
     yield Row(

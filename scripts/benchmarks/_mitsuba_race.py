@@ -43,9 +43,15 @@ class Race:
 
 
 def run(
-    scene: Scene, geometry: Geometry, setting: Setting, material: Material, spps
+    scene: Scene,
+    geometry: Geometry,
+    setting: Setting,
+    material: Material,
+    *,
+    spps: list[int],
+    best: int,
 ) -> Race:
-    """Make all pictures of one material."""
+    """Make all pictures of one material, the reference's of ``best`` samples."""
     peers = {
         name: _mitsuba_scene.hand(setting, material, name)
         for name in (DEFAULT_SAMPLER, BEST_SAMPLER)
@@ -54,10 +60,8 @@ def run(
     scale = 1 / plate[..., 1].mean()
     ours = {k: _maker(scene, geometry, k) for k in sorted(SAMPLES)}
     seconds = _in_turns(ours, peers, spps)
-    say(f"reference, 2 x {spps[-1]} samples a pixel")
-    two = [
-        scale * _mitsuba_scene.render(peers[BEST_SAMPLER], spps[-1], s) for s in (3, 4)
-    ]
+    say(f"reference, 2 x {best} samples a pixel")
+    two = [scale * _mitsuba_scene.render(peers[BEST_SAMPLER], best, s) for s in (3, 4)]
     reference = (two[0] + two[1]) / 2
     pictures = {k: make() for k, make in ours.items()}
     finest = pictures[max(SAMPLES)]
@@ -78,7 +82,7 @@ def run(
         ]
     picture = np.asarray(finest.xyz, dtype=np.float64)
     noise = difference(off(*two)).mean / 2
-    return Race(curves, picture, reference, spps[-1], noise, off(picture), inside)
+    return Race(curves, picture, reference, best, noise, off(picture), inside)
 
 
 def possible(sampler: str, spps: list[int]) -> list[int]:
