@@ -18,6 +18,7 @@ Single = NDArray[np.float32]
 Advance = Callable[[int], object]
 
 _RAYS = 2**16  # that a thread casts in one go
+_NUMBERS = 2**22  # of reflectance that it holds, where each point has its own
 
 
 def pixel_colours(
@@ -62,7 +63,10 @@ def pixel_radiance(
 
 def _step(stage: Stage) -> int:
     """Return how many pixels a thread works on in one go."""
-    return max(1, _RAYS // stage.plan.samples)
+    rays = _RAYS
+    if stage.spectra.body is None:
+        rays = min(rays, _NUMBERS // stage.scene.wavelengths.size)
+    return max(1, rays // stage.plan.samples)
 
 
 def _cast(stage: Stage, start: int, part: slice) -> trace.Hits:

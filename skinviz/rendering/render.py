@@ -30,7 +30,7 @@ from skinviz.spectra.display import DisplayCounts
 
 Array = NDArray[np.float64]
 
-_ROWS = 64  # that are streamed at once, of a picture 1024 pixels wide
+_BLOCK = 2**22  # numbers that are streamed at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,8 +208,9 @@ class Rendering:
         next: copy what is to be kept.
         """
         width, height = self.size
-        step = max(1, _ROWS * 1024 // width)
-        block = np.zeros((step, width, self.wavelengths.size), dtype=np.float32)
+        bands = self.wavelengths.size
+        step = min(max(1, _BLOCK // (width * bands)), height)
+        block = np.zeros((step, width, bands), dtype=np.float32)
         for top in range(0, height, step):
             bottom = min(top + step, height)
             yield self.radiance(
