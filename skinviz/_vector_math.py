@@ -38,6 +38,16 @@ T0, T1, T2, T3, T4, T5, T6, T7, T8, T9, T10 = (
     *(0.03923044778479309, -0.019175404711104935),
 )
 
+# (artanh t − t)/t³ in powers of t², |t| ≤ 0.1716: Chebyshev's fit, 5e-18 of t.
+L0, L1, L2, L3, L4, L5, L6 = (
+    *(0.3333333333333335, 0.19999999999949722, 0.14285714313001635),
+    *(0.11111105565129939, 0.09091444727837474, 0.07665855309105386),
+    *(0.07308292712444311,),
+)
+_SQRT2, _ROOT_HALF = math.sqrt(2), math.sqrt(0.5)
+_SMALLEST_REST = 2.0**-53  # of 1 − x in floats, but 0
+_WHOLE = 2.0**52  # a float whose low bits hold a whole number
+
 
 @intrinsic
 def _power_of_two(typing_context: Any, shifted: Any) -> Any:
@@ -47,6 +57,33 @@ def _power_of_two(typing_context: Any, shifted: Any) -> Any:
         integer = ir.IntType(64)
         bits = builder.bitcast(arguments[0], integer)
         bits = builder.add(builder.shl(bits, integer(52)), integer(1023 << 52))
+        return builder.bitcast(bits, ir.DoubleType())
+
+    return types.float64(types.float64), build
+
+
+@intrinsic
+def _exponent(typing_context: Any, x: Any) -> Any:
+    """Return the exponent of a normal float > 0, plus 1023, plus _WHOLE."""
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        integer = ir.IntType(64)
+        bits = builder.lshr(builder.bitcast(arguments[0], integer), integer(52))
+        whole = builder.or_(bits, integer(0x4330000000000000))
+        return builder.bitcast(whole, ir.DoubleType())
+
+    return types.float64(types.float64), build
+
+
+@intrinsic
+def _mantissa(typing_context: Any, x: Any) -> Any:
+    """Return a normal float > 0 divided by two to its exponent: 1 to 2."""
+
+    def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        integer = ir.IntType(64)
+        bits = builder.bitcast(arguments[0], integer)
+        bits = builder.and_(bits, integer(0x000FFFFFFFFFFFFF))
+        bits = builder.or_(bits, integer(0x3FF0000000000000))
         return builder.bitcast(bits, ir.DoubleType())
 
     return types.float64(types.float64), build
@@ -92,3 +129,23 @@ def angle(sine: float, cosine: float) -> float:
     near = (_QUARTER_PI if middle else 0.0) + beyond  # from the nearer axis
     acute = near if sine <= size else _HALF_PI - near
     return acute if cosine >= 0 else _PI - acute
+
+
+@inlined
+def loss_log(loss: float) -> float:
+    """Return −ln(1 − loss) ≥ 0 to the last digit or two, also of small losses.
+
+    ``loss`` ≥ 0; from 1 on the result is that of the nearest float below.
+    """
+    rest = 1 - loss
+    rest = rest if rest > _SMALLEST_REST else _SMALLEST_REST
+    m, e = _mantissa(rest), _exponent(rest) - (_WHOLE + 1023)
+    half = m > _SQRT2
+    m = 0.5 * m if half else m
+    e = e + 1 if half else e
+    near = rest > _ROOT_HALF  # then e is 0
+    t = (-loss if near else m - 1) / (m + 1)
+    t2 = t * t
+    t4 = t2 * t2
+    series = (L0 + t2 * L1) + t4 * ((L2 + t2 * L3) + t4 * ((L4 + t2 * L5) + t4 * L6))
+    return -e * _LN2_HIGH - (2 * (t + t * t2 * series) + e * _LN2_LOW)

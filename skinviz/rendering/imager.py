@@ -87,7 +87,9 @@ def _scalars(stage: Stage, hits: trace.Hits) -> Array:
     out = np.zeros((lighting.rows + len(fields.spectra), hits.pixels.size))
     visible = None
     if stage.plan.shadows:
-        visible = trace.visibility(geometry, lighting, hits.lifted, hits.normals)
+        visible = trace.visibility(
+            geometry, lighting, hits.lifted, hits.normals, hits.facets
+        )
     lighting.scalars(hits.points, hits.normals, out, visible=visible)
     if len(fields.spectra):
         out[lighting.rows :] = trace.at_corners(geometry, hits, fields.values)
