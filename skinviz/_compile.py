@@ -45,7 +45,8 @@ def compiled(signature: Any = None) -> Callable[[Callable[..., Any]], Any]:
     Without a signature it is compiled for the arguments of each first call; with one,
     when its module is imported. numba looks only at the function's own file to tell
     whether the kept result is still true, not at the files of what was inlined. The
-    name under which it is kept therefore carries a stamp of the whole folder.
+    name under which it is kept therefore carries a stamp of the whole folder, and of
+    what other folders have to inline.
     """
 
     def keep(function: Callable[..., Any]) -> Any:
@@ -61,9 +62,10 @@ def compiled(signature: Any = None) -> Callable[[Callable[..., Any]], Any]:
 
 @cache
 def _folder_stamp(folder: Path) -> str:
-    """Return a mark of the Python sources in a folder, and of how they are compiled."""
+    """Return a mark of a folder's sources, of all kernels and of how they compile."""
     digest = hashlib.sha1(usedforsecurity=False)
-    shared = (Path(__file__), Path(__file__).with_name("_vector_math.py"))
-    for file in (*shared, *sorted(folder.glob("*.py"))):
+    package = Path(__file__).parent
+    shared = (package / "_vector_math.py", *sorted(package.glob("*/kernels.py")))
+    for file in (Path(__file__), *shared, *sorted(folder.glob("*.py"))):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:12]

@@ -3,6 +3,7 @@
 import numba
 import numpy as np
 
+from skinviz._vector_math import decay
 from skinviz.skin import kernels
 
 
@@ -11,7 +12,7 @@ def _layers(K, S, D, fluxes, slopes):
     for i in range(K.size):
         kappa = kernels.root(K[i], S[i])
         y = kernels.depth(kappa, K[i], S[i], D[i])
-        E, m = kernels.decay(y)
+        E, m = decay(y)
         R, T, U, A, Q = kernels.layer(K[i], S[i], kappa, E, m)
         fluxes[0, i], fluxes[1, i] = R / Q, T / Q
         fluxes[2, i], fluxes[3, i] = U / Q, A / Q
@@ -35,7 +36,7 @@ def _stacks(K, S, D, backing, body, slopes):
             kappa = kernels.root(K[k, i], S[k, i])
             y = kernels.depth(kappa, K[k, i], S[k, i], D[k, i])
             prepared[k, 0], prepared[k, 1] = kappa, y
-            prepared[k, 2], prepared[k, 3] = kernels.decay(y)
+            prepared[k, 2], prepared[k, 3] = decay(y)
         top = kernels.layer(
             K[0, i], S[0, i], prepared[0, 0], prepared[0, 2], prepared[0, 3]
         )

@@ -13,8 +13,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from _print import Row
 from _skin_data import NM
-from _skin_print import Row
 
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.models import skin_model

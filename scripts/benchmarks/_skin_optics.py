@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from _skin_print import Row
+from _print import Row
 from mpmath import mp
 
 # The oracle and its like are no part of the package.

@@ -1,8 +1,8 @@
 """Is it the best there is? The fit against SciPy from several starts."""
 
 import numpy as np
+from _print import Row
 from _skin_data import NM, Batch, hard, real
-from _skin_print import Row
 from _skin_scipy import STARTS, best_sse
 
 from skinviz.skin.fit import fit_skin

@@ -1,8 +1,8 @@
 """Are the intervals honest? Known truths, known noise, for ``skin_fit.py``."""
 
 import numpy as np
+from _print import Row, columns
 from _skin_data import NM
-from _skin_print import Row, columns
 
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.models import skin_model

@@ -1,7 +1,7 @@
 """How well three weights, or more, describe real skin, for ``skin_fit.py``."""
 
 import numpy as np
-from _skin_print import Row, columns
+from _print import Row, columns
 
 from skinviz.skin.coefficients import body_sites
 from skinviz.skin.fit import fit_skin

@@ -4,8 +4,8 @@ import os
 import time
 
 import numpy as np
+from _print import Row, on_one_core, race, rate
 from _skin_data import NM, Batch, real, repeated, simulated
-from _skin_print import Row, on_one_core, race, rate
 from _skin_scipy import SCALE, compiled_curve, fit, numpy_curve
 from _skin_solver import evaluations, shares
 

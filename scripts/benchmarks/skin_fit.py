@@ -15,7 +15,7 @@ import _skin_optimum
 import _skin_pulls
 import _skin_quality
 import _skin_speed
-from _skin_print import HEAD, busy, line, machine
+from _print import HEAD, busy, line, machine
 
 PARTS = {
     "optics": lambda size: _skin_optics.rows(int(2000 * size)),

@@ -20,6 +20,7 @@ from skinviz.cli.output import (
 if TYPE_CHECKING:
     import xarray
 
+    from skinviz.rendering.render import Rendering
     from skinviz.scene.scene import Scene
     from skinviz.view.figures import Site
 
@@ -54,9 +55,10 @@ def demo(
 
     if out.exists() and not out.is_dir():
         raise SkinvizError(f"--out {out} is a file; name a folder")
-    for user in ("vtk", "pymeshlab"):
-        require_system_libraries(user)
+    require_system_libraries("pymeshlab")
     started = time.perf_counter()
+    from skinviz.rendering.geometry import geometry_of
+    from skinviz.rendering.render import render
     from skinviz.rendering.shade import shade, vertex_spectrum
     from skinviz.scan.clean import STEPS, clean_scan
     from skinviz.scan.formats import read_scan, write_mesh
@@ -68,7 +70,6 @@ def demo(
     from skinviz.spectra.archives import load_archive
     from skinviz.surface.torrance_sparrow import TorranceSparrow
     from skinviz.view.figures import hands_figure, save_figure, sites_figure
-    from skinviz.view.offscreen import draw
 
     with progress_bar(len(STEPS) + 5) as begin:
         begin("read raw views")
@@ -93,12 +94,13 @@ def demo(
             name: scene.replace(lights=(DirectionalLight(frame.back, name),))
             for name in LIGHTS
         }
-        shaded = {name: shade(s) for name, s in scenes.items()}
+        shaded = shade(scenes[LIGHTS[0]])
 
-        begin("draw")
+        begin("trace rays")
+        geometry = geometry_of(mesh)
         pictures = {
-            f"illuminant {name}, 0/0": draw(mesh, scene.camera)
-            for name, mesh in shaded.items()
+            f"illuminant {name}, 0/0": render(s, geometry=geometry)
+            for name, s in scenes.items()
         }
         point = _marked_vertex(scene)
         credit = (
@@ -126,9 +128,9 @@ def demo(
         files = [
             save_figure(hands, out / "hand.png"),
             save_figure(compared, out / "sites.png"),
-            write_mesh(out / "hand.vtp", shaded[LIGHTS[0]]),
+            write_mesh(out / "hand.vtp", shaded),
         ]
-        report = _report(cleaning.to_dict(), sites, scene, shaded, point)
+        report = _report(cleaning.to_dict(), sites, pictures, point)
         report["seconds"]["total"] = round(time.perf_counter() - started, 2)
         files.append(write_json(out / "report.json", report))
     if json:
@@ -173,11 +175,13 @@ def _marked_vertex(scene: Scene) -> int:
 def _report(
     cleaning: dict[str, Any],
     sites: list[Site],
-    scene: Scene,
-    shaded: dict[str, Any],
+    pictures: dict[str, Rendering],
     point: int,
 ) -> dict[str, Any]:
     """Return everything that the demo found, as plain data."""
+    from dataclasses import asdict
+
+    from skinviz.scene.describe import describe
     from skinviz.skin.report import fit_to_dict
 
     seconds = {step["name"]: step["seconds"] for step in cleaning["steps"]}
@@ -185,28 +189,11 @@ def _report(
         "subject": {"archive": "issa", "origin": ORIGIN, "subject": SUBJECT},
         "fits": {site.name: _fit(fit_to_dict(site.fit, [site.name])) for site in sites},
         "cleaning": cleaning["steps"],
-        "scene": {
-            "vertices": scene.mesh.n_points,
-            "triangles": scene.mesh.n_cells,
-            "wavelengths_nm": [
-                float(scene.wavelengths[0]),
-                float(scene.wavelengths[-1]),
-                int(scene.wavelengths.size),
-            ],
-            "surface": {
-                "gamma_rad": scene.surface.gamma,
-                "n": scene.surface.n,
-                "beta": scene.surface.beta,
-            },
-            "marked_vertex": point,
-            "not_shown_on_srgb": {
-                name: {
-                    key: int(mesh.field_data[key][0])
-                    for key in ("over_exposed", "out_of_gamut")
-                }
-                for name, mesh in shaded.items()
-            },
+        "pictures": {
+            title: {"scene": describe(picture.scene), "counts": asdict(picture.counts)}
+            for title, picture in pictures.items()
         },
+        "marked_vertex": point,
         "seconds": seconds,
         "versions": versions(),
     }

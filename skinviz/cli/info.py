@@ -13,29 +13,38 @@ if TYPE_CHECKING:
     from skinviz.scene.scene import Scene
 
 
+_PICTURES = (".png", ".tif", ".tiff", ".exr", ".hdr")
+
+
 def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
-    """Say what a scene or a scan holds and what will be computed.
+    """Say what a scene, a scan or a picture holds, and how it is or was computed.
 
     Example: skinviz info scene.toml
 
     Parameters
     ----------
     file
-        Scene file (.toml), raw scan or mesh.
+        Scene file (.toml), raw scan, mesh, or a picture that skinviz wrote.
     unit
         Unit of length in a scan or mesh file, unless it states it.
     json
         Print it as JSON.
     """
-    if file.suffix.lower() in (".csv", ".json"):
+    suffix = file.suffix.lower()
+    if suffix in (".csv", ".json"):
         raise DataError(
-            f"{file}: info is for scenes (.toml), scans and meshes; spectra are shown "
-            "by skinviz fit"
+            f"{file}: info is for scenes (.toml), scans, meshes and pictures; spectra "
+            "are shown by skinviz fit"
         )
-    if file.suffix.lower() == ".toml":
+    if suffix == ".toml":
         from skinviz.scene.scene_file import read_scene
 
         facts = _scene_facts(read_scene(file))
+    elif suffix in _PICTURES:
+        from skinviz.rendering.files import read_picture_metadata
+
+        facts = read_picture_metadata(file)
+        facts = facts if json else _told(facts)
     else:
         from skinviz.scan.formats import read_scan
 
@@ -47,6 +56,19 @@ def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
     for name, value in facts.items():
         for i, line in enumerate(value if isinstance(value, list) else [value]):
             say(f"{name if i == 0 else '':<{width}}  {line}")
+
+
+def _told(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Return a picture's metadata a line each, what is nested within it as JSON."""
+    from json import dumps
+
+    flat = dict(metadata)
+    for key in ("scene", "units"):
+        flat |= flat.pop(key, {})
+    return {
+        key: value if isinstance(value, str) else dumps(value, ensure_ascii=False)
+        for key, value in flat.items()
+    }
 
 
 def _scene_facts(scene: Scene) -> dict[str, Any]:
@@ -69,11 +91,7 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
                 )
             ),
         ],
-        "surface": (
-            f"Torrance-Sparrow, gamma {surface.gamma:g} rad, n {surface.n:g}, beta "
-            f"{surface.beta:.4g} ({surface.specular_scale:.3g} of the physical), "
-            f"masking {surface.masking}"
-        ),
+        "surface": surface.description,
         "lights": [
             f"{light.spectrum.name}, strength {light.strength:g}, {light.place}"
             for light in scene.lights
@@ -135,14 +153,16 @@ def _left_out(scene: Scene) -> str:
 
 def _energy(body: float, scene: Scene) -> str:
     """Return the most that the scene's surface can reflect, with a warning above 1."""
+    from skinviz.rendering.lighting import refractive_index
     from skinviz.rendering.shade import vertex_gloss
-    from skinviz.surface.torrance_sparrow import specular_albedo
+    from skinviz.surface.energy import specular_albedo
 
-    gloss = specular_albedo(scene.surface)
+    surface, n = scene.surface, refractive_index(scene).max()
+    gloss = specular_albedo(surface, n=n)
     most = scene.diffuse_scale * body + gloss
     warning = "" if most <= 1 else "; above 1: the surface gives off more than it gets"
     brightest = float(vertex_gloss(scene).max())
-    if scene.surface.masking == "none" and brightest > 1:
+    if getattr(surface, "masking", "") == "none" and brightest > 1:
         warning += (
             f"; eq. (10) without masking diverges here, up to {brightest:.3g} times "
             "white: choose masking v-cavity"

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Of its longest edge, below which a triangle's area is the rounding of coordinates.
+_ROUNDING = 8 * np.finfo(np.float64).eps
+
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
@@ -29,7 +32,7 @@ class Geometry:
     Attributes
     ----------
     points : (n, 3) ndarray
-        Vertices, in these coordinates. [1]
+        Vertices, in these coordinates; those without a triangle are at another's. [1]
     faces : (m, 3) ndarray of int32
         Corners of the triangles.
     normals : (n, 3) ndarray
@@ -58,6 +61,11 @@ class Geometry:
         scene = EmbreeScene(robust=True)
         TriangleMesh(scene, self.points.astype(np.float32), self.faces)
         return scene
+
+    @cached_property
+    def lost(self) -> NDArray[np.int64]:
+        """The vertices that belong to no triangle with an area: without a normal."""
+        return np.flatnonzero(~self.normals.any(axis=1))
 
     @property
     def in_mm(self) -> Array:
@@ -113,10 +121,8 @@ def geometry_of(mesh: pyvista.PolyData) -> Geometry:
         If the mesh is empty, has vertices that are not finite, or no area.
     """
     points, faces = require_triangles(mesh, "the scene's mesh")
-    named = np.zeros(len(points), dtype=bool)
-    named[faces] = True
-    used = points[named]
-    low, high = used.min(axis=0), used.max(axis=0)
+    points = _without_strays(points, faces)
+    low, high = points.min(axis=0), points.max(axis=0)
     centre, scale = low / 2 + high / 2, float((high - low).max() / 2)
     if not 0 < scale < np.inf:
         raise MeshError(
@@ -124,13 +130,34 @@ def geometry_of(mesh: pyvista.PolyData) -> Geometry:
         )
     inside = (points - centre) / scale
     area = topology.face_areas(inside, faces)
+    flat = area <= _ROUNDING * _longest_edges(inside, faces)
+    area[flat] = 0.0
     if area.sum() == 0:
         raise MeshError("no triangle of the scene's mesh has an area; clean it first")
     return Geometry(
         points=inside,
         faces=np.ascontiguousarray(faces, dtype=np.int32),
-        normals=topology.vertex_normals(points, faces),
+        normals=topology.vertex_normals(inside, faces[~flat]),
         centre=centre,
         scale=scale,
         centroid=np.average(inside[faces].mean(axis=1), axis=0, weights=area),
     )
+
+
+def _longest_edges(points: Array, faces: NDArray[np.int64]) -> Array:
+    """Return the length of each triangle's longest edge (m,)."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    edges = np.stack([b - a, c - b, a - c])
+    return np.asarray(np.linalg.norm(edges, axis=2).max(axis=0))
+
+
+def _without_strays(points: Array, faces: NDArray[np.int64]) -> Array:
+    """Return the points, with those that no triangle has put where one is.
+
+    They are not seen, and may be anywhere: no camera is aimed at them.
+    """
+    stray = np.ones(len(points), dtype=bool)
+    stray[faces] = False
+    if stray.any():
+        points = np.where(stray[:, None], points[faces[0, 0]], points)
+    return points

@@ -18,6 +18,7 @@ Single = NDArray[np.float32]
 Advance = Callable[[int], object]
 
 _RAYS = 2**16  # that a thread casts in one go
+_NUMBERS = 2**22  # of reflectance that it holds, where each point has its own
 
 
 def pixel_colours(
@@ -62,7 +63,10 @@ def pixel_radiance(
 
 def _step(stage: Stage) -> int:
     """Return how many pixels a thread works on in one go."""
-    return max(1, _RAYS // stage.plan.samples)
+    rays = _RAYS
+    if stage.spectra.body is None:
+        rays = min(rays, _NUMBERS // stage.scene.wavelengths.size)
+    return max(1, rays // stage.plan.samples)
 
 
 def _cast(stage: Stage, start: int, part: slice) -> trace.Hits:
@@ -83,7 +87,9 @@ def _scalars(stage: Stage, hits: trace.Hits) -> Array:
     out = np.zeros((lighting.rows + len(fields.spectra), hits.pixels.size))
     visible = None
     if stage.plan.shadows:
-        visible = trace.visibility(geometry, lighting, hits.lifted, hits.normals)
+        visible = trace.visibility(
+            geometry, lighting, hits.lifted, hits.normals, hits.facets
+        )
     lighting.scalars(hits.points, hits.normals, out, visible=visible)
     if len(fields.spectra):
         out[lighting.rows :] = trace.at_corners(geometry, hits, fields.values)

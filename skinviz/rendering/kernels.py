@@ -15,13 +15,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numba import types
 
 from skinviz._compile import compiled, inlined
-from skinviz.surface.kernels import fresnel
+from skinviz.surface.kernels import LOBE, fresnel
 
 BLOCK = 256
 """Points that are worked on together, so that all of theirs stays near."""
 
+_VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
 _LEAST = 1e-300  # added to squares whose root divides: 0 stays 0, never 0/0
 
 
@@ -63,7 +65,45 @@ def _cosines(
         rows[_FALL + i] = lw * (reach / square) + (1 - lw)
 
 
-@compiled()
+@inlined
+def _far_cosines(normals: Any, start: Any, n: Any, to: Any, rows: Any) -> None:
+    """Fill in the same where light and eye are far: H is the same everywhere."""
+    stop = start + n
+    A, B, C = normals[0, start:stop], normals[1, start:stop], normals[2, start:stop]
+    lx, ly, lz, _, ex, ey, ez, _ = to
+    hx, hy, hz = lx + ex, ly + ey, lz + ez
+    length = np.sqrt(hx * hx + hy * hy + hz * hz)
+    scale = 1 / (length + _LEAST)
+    hx, hy, hz = hx * scale, hy * scale, hz * scale
+    VH = min(0.5 * length, 1.0)
+    for i in range(n):
+        a, b, c = A[i], B[i], C[i]
+        x, y, z = b * hz - c * hy, c * hx - a * hz, a * hy - b * hx
+        rows[_NL + i] = a * lx + b * ly + c * lz
+        rows[_NV + i] = a * ex + b * ey + c * ez
+        rows[_NH + i] = a * hx + b * hy + c * hz
+        rows[_SH + i] = np.sqrt(x * x + y * y + z * z)
+        rows[_VH + i] = VH
+        rows[_FALL + i] = 1.0
+
+
+@inlined
+def _fill(
+    points: Any, normals: Any, start: Any, n: Any, to: Any, reach: Any, rows: Any
+) -> None:
+    """Fill in the cosines by the quicker way that holds."""
+    if to[3] == 0 and to[7] == 0:
+        _far_cosines(normals, start, n, to, rows)
+    else:
+        _cosines(points, normals, start, n, to, reach, rows)
+
+
+@compiled(
+    types.void(
+        *(_MATRIX, _MATRIX, types.int64, _MATRIX, _VECTOR, _VECTOR),
+        *(LOBE, _VECTOR, _VECTOR, types.uint8[:, ::1], _MATRIX),
+    )
+)
 def scalars(
     points: Any,
     normals: Any,
@@ -98,7 +138,7 @@ def scalars(
                 *(light[0], light[1], light[2], light[3]),
                 *(eye[0], eye[1], eye[2], eye[3]),
             )
-            _cosines(points, normals, start + first, m, to, reaches[k], rows)
+            _fill(points, normals, start + first, m, to, reaches[k], rows)
             lobe(NL, NV, NH, SH, VH, constants, spread)
             if visible.size:
                 seen = visible[k, first : first + m]
@@ -112,6 +152,17 @@ def scalars(
                 shine = out[n_lights + k * n_indices + j, first : first + m]
                 for i in range(m):
                     shine[i] = spread[i] * fall[i] * fresnel(VH[i], index)
+
+
+@compiled()
+def expand_each(values: Any, spectra: Any, out: Any) -> None:
+    """Write ``values`` (k, n) times ``spectra`` (k, bands) to ``out`` (n, bands)."""
+    k = spectra.shape[0]
+    own = np.zeros(k, dtype=spectra.dtype)
+    for row in range(out.shape[0]):
+        for i in range(k):
+            own[i] = values[i, row]
+        _products(own, spectra, out[row])
 
 
 @compiled()

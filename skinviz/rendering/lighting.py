@@ -122,7 +122,7 @@ def lighting_of(scene: Scene, sight: Sight) -> Lighting:
             "is defined; move it out of the mesh"
         )
     surface = scene.surface
-    indices, _ = dispersion_basis(_index(scene))
+    indices, _ = dispersion_basis(refractive_index(scene))
     return Lighting(
         lights=lights,
         reaches=reaches,
@@ -136,7 +136,7 @@ def lighting_of(scene: Scene, sight: Sight) -> Lighting:
 def spectra_of(scene: Scene) -> Spectra:
     """Return the spectra by which a scene's scalars are multiplied."""
     powers = light_spectra(scene)
-    _, weights = dispersion_basis(_index(scene))
+    _, weights = dispersion_basis(refractive_index(scene))
     values = scene.skin.values
     return Spectra(
         light=scene.diffuse_scale * powers,
@@ -178,7 +178,7 @@ def xyz_of_radiance(scene: Scene) -> Array:
     return np.asarray(cmfs * band_widths(scene.wavelengths)[:, None])
 
 
-def _index(scene: Scene) -> Array:
-    """Return the skin's refractive index at each band."""
+def refractive_index(scene: Scene) -> Array:
+    """Return the skin's refractive index at each band (bands,)."""
     n, bands = scene.surface.n, scene.wavelengths
     return np.full(bands.size, n) if isinstance(n, float | int) else n.index(bands)

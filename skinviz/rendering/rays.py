@@ -96,12 +96,14 @@ def hit_points(
     points: Any,
     normals: Any,
     lifted: Any,
+    facets: Any,
 ) -> int:
     """Write where rays hit the front of triangles; return how many do.
 
     Written are ``hits`` (the ray), ``weights`` (3, m) of the triangle's corners,
-    ``points``, ``normals`` and ``lifted`` (3, m), from where shadow rays start. The
-    back of a triangle is the inside of the mesh: it is dark and left out.
+    ``points``, ``normals`` and ``lifted`` (3, m), from where shadow rays start, and
+    ``facets`` (3, m), the triangle's own normal times the root of its longest edge.
+    The back of a triangle is the inside of the mesh: it is dark and left out.
     """
     samples = cells.shape[0]
     n = 0
@@ -120,6 +122,8 @@ def hit_points(
         for i in range(3):
             weights[i, n] = w[i]
         _settle(corners, smooth, face, w, gx, gy, gz, n, points, normals, lifted)
+        root = _root_of_edge(corners, face)
+        facets[0, n], facets[1, n], facets[2, n] = gx * root, gy * root, gz * root
         n += 1
     return n
 
@@ -142,6 +146,17 @@ def _facet(corners: Any, face: Any) -> tuple[float, float, float]:
     length = np.sqrt(nx * nx + ny * ny + nz * nz)
     scale = 1 / length if length > 0 else 0.0
     return nx * scale, ny * scale, nz * scale
+
+
+@inlined
+def _root_of_edge(corners: Any, face: Any) -> float:
+    """Return the square root of a triangle's longest edge."""
+    longest = 0.0
+    for i in range(3):
+        a, b = corners[face[i]], corners[face[(i + 1) % 3]]
+        x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+        longest = max(longest, x * x + y * y + z * z)
+    return float(np.sqrt(np.sqrt(longest)))
 
 
 @inlined
@@ -221,6 +236,7 @@ def _settle(
 def shadow_rays(
     lifted: Any,
     normals: Any,
+    facets: Any,
     light: Any,
     asked: Any,
     origins: Any,
@@ -229,7 +245,9 @@ def shadow_rays(
 ) -> int:
     """Write rays towards a light from the points that face it; return how many do.
 
-    ``asked`` are these points; rays end at the light.
+    ``asked`` are these points; rays end at the light. Where the smooth surface faces
+    the light and the triangle does not, the ray starts higher by what the triangle
+    itself hides: else it would be a black spot in a lit valley.
     """
     n = 0
     for i in range(lifted.shape[1]):
@@ -242,8 +260,11 @@ def shadow_rays(
         if normals[0, i] * dx + normals[1, i] * dy + normals[2, i] * dz <= 0:
             continue
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
+        gx, gy, gz = facets[0, i], facets[1, i], facets[2, i]
+        rise = max(-(gx * dx + gy * dy + gz * dz) / length, 0.0)
         asked[n] = i
-        origins[n, 0], origins[n, 1], origins[n, 2] = x, y, z
+        origins[n, 0], origins[n, 1] = x + rise * gx, y + rise * gy
+        origins[n, 2] = z + rise * gz
         directions[n, 0] = dx / length
         directions[n, 1] = dy / length
         directions[n, 2] = dz / length

@@ -30,7 +30,7 @@ from skinviz.spectra.display import DisplayCounts
 
 Array = NDArray[np.float64]
 
-_ROWS = 64  # that are streamed at once, of a picture 1024 pixels wide
+_BLOCK = 2**22  # numbers that are streamed at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,20 +138,13 @@ class Rendering:
         Raises
         ------
         ArgumentError
-            If the pixel or region is not within the picture.
+            If the pixel or region is not within the picture, its spectra are more
+            than the memory holds, or ``out`` is not as it must be.
         """
         width, _ = self.size
         left, top, right, bottom = _box(where, self.size)
         shape = (bottom - top, right - left, self.wavelengths.size)
-        if out is None:
-            out = np.zeros(shape, dtype=np.float32)
-        elif (
-            out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous
-        ):
-            raise ArgumentError(
-                f"out must be a C-contiguous float32 array of shape {shape}; got "
-                f"{out.dtype} {out.shape}"
-            )
+        out = _target(shape) if out is None else _checked(out, shape)
         if shape[1] == width:
             pixels = slice(top * width, bottom * width)
             pixel_radiance(self._stage, pixels, out.reshape(-1, shape[2]), advance)
@@ -215,8 +208,9 @@ class Rendering:
         next: copy what is to be kept.
         """
         width, height = self.size
-        step = max(1, _ROWS * 1024 // width)
-        block = np.zeros((step, width, self.wavelengths.size), dtype=np.float32)
+        bands = self.wavelengths.size
+        step = min(max(1, _BLOCK // (width * bands)), height)
+        block = np.zeros((step, width, bands), dtype=np.float32)
         for top in range(0, height, step):
             bottom = min(top + step, height)
             yield self.radiance(
@@ -286,7 +280,7 @@ def _box(
     width, height = size
     if where is None:
         return 0, 0, width, height
-    if len(where) not in (2, 4):
+    if np.ndim(where) != 1 or len(where) not in (2, 4):
         raise ArgumentError(
             f"radiance takes (column, row) or (left, top, right, bottom); got {where!r}"
         )
@@ -303,3 +297,27 @@ def _box(
             f"{where!r} is not within the picture of {width} x {height} pixels"
         )
     return left, top, right, bottom
+
+
+def _target(shape: tuple[int, int, int]) -> Single:
+    """Return memory for spectra, or say how much they want."""
+    try:
+        return np.zeros(shape, dtype=np.float32)
+    except MemoryError as error:
+        rows, columns, bands = shape
+        raise ArgumentError(
+            f"the radiance of {columns} x {rows} pixels in {bands} bands takes "
+            f"{4 * rows * columns * bands / 2**30:.1f} GiB, more than there is; ask "
+            "for a region, go through rows(), or save it"
+        ) from error
+
+
+def _checked(out: Single, shape: tuple[int, int, int]) -> Single:
+    """Return an array that spectra can be written to, or say what is wrong with it."""
+    fits = isinstance(out, np.ndarray) and out.shape == shape
+    if not fits or out.dtype != np.float32 or not out.flags.c_contiguous:
+        raise ArgumentError(
+            f"out must be a C-contiguous float32 array of shape {shape}; got "
+            f"{getattr(out, 'dtype', type(out).__name__)} {np.shape(out)}"
+        )
+    return out

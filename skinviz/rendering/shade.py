@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 
-_SLICE = 2**14  # vertices that a thread shades in one go
+_SLICE = 2**15  # vertices that a thread shades in one go
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def vertex_radiance(stage: Stage, out: Single | None = None) -> Single:
     def use(part: slice, scalars: Array) -> None:
         if spectra.body is not None:
             require_single(scalars, matrix)
-            kernels.expand(np.arange(scalars.shape[1]), 1, scalars, matrix, out[part])
+            kernels.expand_each(scalars, matrix, out[part])
         else:
             _expand_mapped(stage, part, scalars, out[part])
 
@@ -235,7 +235,7 @@ def vertex_gloss(scene: Scene) -> Array:
 
 def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
     """Call ``use`` on slices of the vertices and their scalars (rows + e, m)."""
-    lost = np.flatnonzero(~stage.geometry.normals.any(axis=1))
+    lost = stage.geometry.lost
     if lost.size:
         raise MeshError(
             f"vertex {lost[0]} belongs to no triangle with an area ({lost.size} such "

@@ -20,7 +20,7 @@ from skinviz.spectra.adaptation import ADAPTATIONS
 from skinviz.spectra.colorimetry import OBSERVERS
 from skinviz.spectra.display import SRGB, Display
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
-from skinviz.surface.torrance_sparrow import TorranceSparrow
+from skinviz.surface.surface import Surface
 
 if TYPE_CHECKING:
     import pyvista
@@ -90,8 +90,8 @@ class Scene:
         Triangles. [mm]
     skin : Skin
         Body reflectance, uniform or per vertex.
-    surface : TorranceSparrow
-        Reflection at the surface.
+    surface : Surface
+        Reflection at the surface, by any of the models.
     lights : tuple of DirectionalLight or PointLight
         At least one. The first sets the scale: the perfect diffuser facing it,
         lit by it alone, has Y = 1 × exposure.
@@ -120,7 +120,7 @@ class Scene:
 
     mesh: pyvista.PolyData
     skin: Skin
-    surface: TorranceSparrow
+    surface: Surface
     lights: tuple[Light, ...]
     camera: Camera
     diffuse_scale: float = 1.0

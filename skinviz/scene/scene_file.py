@@ -21,10 +21,12 @@ from skinviz.scene.scene import Scene
 from skinviz.scene.scene_skin import skin_of
 from skinviz.spectra.display_file import read_display
 from skinviz.spectra.illuminants import Illuminant, black_body, read_illuminant
-from skinviz.surface.torrance_sparrow import TorranceSparrow
+from skinviz.surface.models import surface_model, surface_parameters
+from skinviz.surface.surface import Surface
 
 _TEXT, _NUMBER, _NUMBERS, _COUNT = "text", "a number", "a list of numbers", "a count"
 _MOST_BANDS = 2000
+_SURFACE = "torrance-sparrow"  # the model of a [surface] that names none
 _WORD_OR_NUMBER, _WORDS = "text or a number", "a list of texts"
 
 _TABLES = {
@@ -43,13 +45,7 @@ _TABLES = {
         "origin": _TEXT,
         "subject": _TEXT,
     },
-    "surface": {
-        "gamma": _NUMBER,
-        "n": _NUMBER,
-        "specular_scale": _NUMBER,
-        "beta": _NUMBER,
-        "masking": _TEXT,
-    },
+    "surface": {"model": _TEXT, "n": _WORD_OR_NUMBER, "masking": _TEXT},
     "lights": {
         "illuminant": _TEXT,
         "temperature": _NUMBER,
@@ -188,13 +184,21 @@ def _require_known(content: dict[str, Any]) -> None:
         ):
             shape = "[[lights]], once per light" if name == "lights" else f"[{name}]"
             raise DataError(f"write {shape}")
-        for key, value in (pair for row in rows for pair in row.items()):
-            _require_kind(name, key, value)
+        for row in rows:
+            known = _surface_keys(row) if name == "surface" else _TABLES[name]
+            for key, value in row.items():
+                _require_kind(name, known, key, value)
 
 
-def _require_kind(table: str, key: str, value: Any) -> None:
+def _surface_keys(table: dict[str, Any]) -> dict[str, str]:
+    """Return the keys of [surface], those of its model, and their kinds."""
+    kinds = _TABLES["surface"]
+    own = surface_parameters(table.get("model", _SURFACE))
+    return {key: kinds.get(key, _NUMBER) for key in ("model", *own)}
+
+
+def _require_kind(table: str, known: dict[str, str], key: str, value: Any) -> None:
     """Refuse an unknown key, or a value of another kind than the key's."""
-    known = _TABLES[table]
     if key not in known:
         raise DataError(
             f"unknown key {key!r} in [{table}]; known are {', '.join(sorted(known))}"
@@ -217,19 +221,10 @@ def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and math.isfinite(value)
 
 
-def _surface(table: dict[str, Any]) -> TorranceSparrow:
-    """Return the surface, by β or by its physical scale."""
-    if "beta" not in table:
-        return TorranceSparrow(**table)
-    if "specular_scale" in table:
-        raise DataError("[surface] takes beta or specular_scale, not both")
-    default = TorranceSparrow()
-    return TorranceSparrow.from_beta(
-        table["beta"],
-        table.get("gamma", default.gamma),
-        table.get("n", default.n),
-        table.get("masking", default.masking),
-    )
+def _surface(table: dict[str, Any]) -> Surface:
+    """Return the surface that a model's name and keys describe."""
+    own = {key: table[key] for key in table if key != "model"}
+    return surface_model(table.get("model", _SURFACE), **own)
 
 
 def _light(

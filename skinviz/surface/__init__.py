@@ -1,6 +1,27 @@
-"""Reflection at the skin's surface: Fresnel's law and Torrance–Sparrow's model."""
+"""Reflection at the skin's surface: Fresnel's law and the models of rough surfaces."""
 
+from skinviz.surface.cook_torrance import CookTorrance
+from skinviz.surface.dispersion import Dispersion, dispersion, dispersions
+from skinviz.surface.energy import specular_albedo
 from skinviz.surface.fresnel import fresnel_reflectance
+from skinviz.surface.lambert import Lambert
+from skinviz.surface.models import surface_model, surface_models
+from skinviz.surface.phong import Phong
+from skinviz.surface.surface import Surface
 from skinviz.surface.torrance_sparrow import TorranceSparrow, physical_beta
 
-__all__ = ["TorranceSparrow", "fresnel_reflectance", "physical_beta"]
+__all__ = [
+    "CookTorrance",
+    "Dispersion",
+    "Lambert",
+    "Phong",
+    "Surface",
+    "TorranceSparrow",
+    "dispersion",
+    "dispersions",
+    "fresnel_reflectance",
+    "physical_beta",
+    "specular_albedo",
+    "surface_model",
+    "surface_models",
+]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from skinviz._validate import in_range, one_of
-from skinviz.surface.fresnel import fresnel_reflectance
+from skinviz.surface import energy, masking
+from skinviz.surface.dispersion import Dispersion, require_refraction
+from skinviz.surface.surface import Surface, told_index
 
 Array = NDArray[np.float64]
 
@@ -18,19 +20,21 @@ MASKINGS = ("v-cavity", "none")
 """``"v-cavity"``: Torrance–Sparrow's G; ``"none"``: eq. (10) to the letter."""
 
 _LN2 = np.log(2.0)
-_SMALLEST_COSINE = 1e-3  # to which a normal that faces away is bent
+_HALF_WIDTHS = 9.5  # beyond which D < 1e-27
 
 
 @dataclass(frozen=True)
-class TorranceSparrow:
+class TorranceSparrow(Surface):
     """Specular reflection from a rough dielectric, second term of eq. (10).
+
+    D = exp(−ln 2 (φ/γ)²) of the angle φ between the normal and the halfway vector.
 
     Attributes
     ----------
     gamma : float
         Half-width of the facets' distribution: D falls to ½ at this angle between
         the normal and the halfway vector. [rad], 1e-4 to π/2
-    n : float
+    n : float or Dispersion
         Refractive index of the skin. [1], 1 to 3
     specular_scale : float
         β as a share of the β at which the surface reflects what Fresnel's law
@@ -38,32 +42,61 @@ class TorranceSparrow:
     masking : {"v-cavity", "none"}
         With the masking and shadowing of facets, or eq. (10) as printed.
 
+    Notes
+    -----
+    G/(N·V) is one expression, finite unless light and viewer both graze.
+
     References
     ----------
     .. [1] K. E. Torrance and E. M. Sparrow, J. Opt. Soc. Am. 57:1105 (1967).
     .. [2] Doi, Tanaka & Tominaga, J. Imaging Sci. Technol. 49:574 (2005), eq. (10).
     """
 
+    name: ClassVar[str] = "torrance-sparrow"
+
     gamma: float = 0.27
-    n: float = 1.4
+    n: float | Dispersion = 1.4
     specular_scale: float = 1.0
     masking: str = "v-cavity"
 
     def __post_init__(self) -> None:
         """Refuse what no surface has."""
         in_range(self.gamma, 1e-4, np.pi / 2, "gamma", "rad")
-        in_range(self.n, 1.0, 3.0, "refractive index n")
+        require_refraction(self.n)
         in_range(self.specular_scale, 0.0, 1e6, "specular_scale")
         one_of(self.masking, MASKINGS, "masking")
 
     @classmethod
     def from_beta(
-        cls, beta: float, gamma: float, n: float = 1.4, masking: str = "v-cavity"
+        cls,
+        beta: float,
+        gamma: float = 0.27,
+        n: float | Dispersion = 1.4,
+        masking: str = "v-cavity",
     ) -> TorranceSparrow:
         """Return the surface with the weight β of eq. (10) given itself. [1], ≥ 0"""
         in_range(gamma, 1e-4, np.pi / 2, "gamma", "rad")
         in_range(beta, 0.0, 1e6, "beta")
         return cls(gamma, n, beta / physical_beta(gamma), masking)
+
+    @property
+    def physical_beta(self) -> float:
+        """β₁ = π/(4 ∫ D cos θ dω), at which facets cover the surface once. [1]"""
+        return physical_beta(self.gamma)
+
+    @property
+    def beta(self) -> float:
+        """The weight β of eq. (10). [1]"""
+        return self.specular_scale * self.physical_beta
+
+    @property
+    def description(self) -> str:
+        """The model and its parameters, in a line of words."""
+        return (
+            f"Torrance-Sparrow, gamma {self.gamma:g} rad, {told_index(self.n)}, beta "
+            f"{self.beta:.4g} ({self.specular_scale:.3g} of the physical), masking "
+            f"{self.masking}"
+        )
 
     @property
     def lobe(self) -> Any:
@@ -75,129 +108,33 @@ class TorranceSparrow:
     @property
     def constants(self) -> Array:
         """What the lobe is given."""
-        return np.array([self.beta, self.gamma, float(self.masking != "none")])
+        steepness = np.sqrt(_LN2) / self.gamma
+        return np.array([self.beta, steepness, float(self.masking != "none")])
 
-    @property
-    def beta(self) -> float:
-        """The weight β of eq. (10). [1]"""
-        return self.specular_scale * physical_beta(self.gamma)
+    def factors(self, cosines: Array) -> tuple[Array, Array]:
+        """Return D and G/(N·V); the angle is accurate also where it is small."""
+        D = facet_distribution(np.arctan2(cosines[3], cosines[2]), self.gamma)
+        hidden = masking.unmasked if self.masking == "none" else masking.v_cavity
+        return D, hidden(cosines)
 
-    def evaluate(self, normals: ArrayLike, light: ArrayLike, view: ArrayLike) -> Array:
-        """Return β D F G/(N·V): specular radiance over that of the lit diffuser.
-
-        Parameters
-        ----------
-        normals, light, view : (..., 3) array_like
-            Unit vectors from the surface: its normal, towards light and viewer;
-            broadcast together.
-
-        Returns
-        -------
-        specular : (...) ndarray of float64
-            To be multiplied by E(λ), the radiance of the perfect diffuser lit at
-            normal incidence. 0 where the light is behind the surface. [1]
-
-        Notes
-        -----
-        G/(N·V) is one expression, finite unless light and viewer both graze. A
-        normal that faces away from the viewer, as interpolated normals do at
-        silhouettes, counts as N·V = 0.001.
-        """
-        N, L, V = (np.asarray(x, dtype=np.float64) for x in (normals, light, view))
-        half, cos_facet = _halfway(L, V)
-        NL, NV, NH = (_dot(N, x) for x in (L, V, half))
-        lit = NL > 0
-        NV = np.maximum(NV, _SMALLEST_COSINE)
-        facets = facet_distribution(N, half, self.gamma)
-        fresnel = fresnel_reflectance(cos_facet, self.n)
-        spread = self._masked(NH, NV, np.where(lit, NL, 1.0), cos_facet)
-        return np.where(lit, self.beta * facets * fresnel * spread, 0.0)
-
-    def _masked(self, NH: Array, NV: Array, NL: Array, VH: Array) -> Array:
-        """Return G/(N·V), or 1/(N·V) without masking."""
-        if self.masking == "none":
-            return 1 / NV
-        # Light from exactly behind the viewer's back side has no halfway vector.
-        VH = np.maximum(VH, 1e-12)
-        return np.minimum(
-            np.minimum(1 / NV, 2 * np.maximum(NH, 0) / VH),
-            2 * np.maximum(NH, 0) * NL / (VH * NV),
-        )
+    def reach(self, incidence: float) -> float:
+        """Return how far facets are tilted that still matter. [rad]"""
+        del incidence  # facets lie as they lie
+        return _reach(self.gamma)
 
 
-def facet_distribution(normals: Array, half: Array, gamma: float) -> Array:
-    """Return Torrance–Sparrow's Gaussian D = exp(−ln 2 (φ/γ)²) of the facet angle φ.
-
-    φ comes from the sine and the cosine together, accurate at small angles.
-    """
-    sine = np.linalg.norm(np.cross(normals, half), axis=-1)
-    angle = np.arctan2(sine, _dot(normals, half))
+def facet_distribution(angle: Array, gamma: float) -> Array:
+    """Return Torrance–Sparrow's Gaussian D at angles from the normal [rad]."""
     with np.errstate(under="ignore"):
         return np.asarray(np.exp(-_LN2 * np.square(angle / gamma)))
 
 
 @cache
 def physical_beta(gamma: float) -> float:
-    """Return β₁ = π/(4 ∫ D cos θ dω), at which facets cover the surface once. [1]
-
-    With masking, the specular albedo is then at most 1 for every F and angle.
-    """
-    # In units of γ the integrand is smooth whatever γ is; D < 1e-27 beyond 9.5 γ.
-    end = min(np.pi / 2 / gamma, 9.5)
-    nodes, weights = np.polynomial.legendre.leggauss(80)
-    t = (nodes + 1) * end / 2
-    integrand = np.exp(-_LN2 * t**2) * np.sin(2 * gamma * t)
-    # 2π ∫ D sin θ cos θ dθ = π γ ∫ D sin 2θ dt
-    covered = np.pi * gamma * float(weights @ integrand) * end / 2
-    return float(np.pi / (4 * covered))
+    """Return β₁ of a half-width γ [rad]; see :attr:`Surface.physical_beta`. [1]"""
+    return energy.physical_beta(lambda t: facet_distribution(t, gamma), _reach(gamma))
 
 
-def specular_albedo(
-    surface: TorranceSparrow, highest_angle: float = np.deg2rad(80)
-) -> float:
-    """Return the largest share of light reflected specularly, 0 to ``highest_angle``.
-
-    The hemispherical integral of the BRDF's specular part times the cosine of
-    leaving, light at a fixed angle, by quadrature over the hemisphere. [1]
-    """
-    # Over the facets, where the lobe is smooth however narrow it is: a facet h sends
-    # light to 2(l·h)h − l, and dω of leaving is 4 (l·h) dω of the facet.
-    end = min(np.pi / 2, 9.5 * surface.gamma)
-    nodes, weights = np.polynomial.legendre.leggauss(160)
-    tilt = (nodes + 1) * end / 2
-    azimuth = (np.arange(240) + 0.5) * 2 * np.pi / 240
-    half = np.stack(
-        [
-            np.outer(np.sin(tilt), np.cos(azimuth)),
-            np.outer(np.sin(tilt), np.sin(azimuth)),
-            np.outer(np.cos(tilt), np.ones(azimuth.size)),
-        ],
-        axis=-1,
-    )
-    area = (weights * end / 2 * np.sin(tilt))[:, None] * (2 * np.pi / azimuth.size)
-    normal = np.array([0.0, 0.0, 1.0])
-    shares = []
-    for angle in np.linspace(0.0, highest_angle, 9):
-        light = np.array([np.sin(angle), 0.0, np.cos(angle)])
-        facing = _dot(light, half)
-        view = 2 * facing[..., None] * half - light
-        seen = (facing > 0) & (view[..., 2] > 0)
-        # evaluate() is π f cos(incidence): E is the irradiance over π at normal
-        # incidence.
-        leaving = surface.evaluate(normal, light, view) * view[..., 2]
-        flux = np.where(seen, leaving * 4 * facing * area, 0.0).sum()
-        shares.append(flux / (np.pi * np.cos(angle)))
-    return float(max(shares))
-
-
-def _halfway(light: Array, view: Array) -> tuple[Array, Array]:
-    """Return the halfway vector H and the cosine V·H at which facets mirror."""
-    total = light + view
-    length = np.linalg.norm(total, axis=-1, keepdims=True)
-    half = np.divide(total, length, out=np.zeros_like(total), where=length > 1e-12)
-    return half, np.clip(length[..., 0] / 2, 0.0, 1.0)
-
-
-def _dot(a: Array, b: Array) -> Array:
-    """Return the scalar product on the last axis."""
-    return np.asarray((a * b).sum(axis=-1))
+def _reach(gamma: float) -> float:
+    """Return the angle beyond which D is nothing. [rad]"""
+    return float(min(_HALF_WIDTHS * gamma, np.pi / 2))

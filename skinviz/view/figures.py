@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from skinviz._files import whole_file
 from skinviz._validate import one_of
+from skinviz.rendering.render import Rendering
 from skinviz.rendering.shade import VertexSpectrum
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.view import panels
-from skinviz.view.offscreen import Picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,7 @@ class Site:
 
 
 def hands_figure(
-    pictures: Mapping[str, Picture],
+    pictures: Mapping[str, Rendering],
     site: Site,
     point: Array,
     spectrum: VertexSpectrum,
@@ -48,7 +48,7 @@ def hands_figure(
 
     Parameters
     ----------
-    pictures : mapping of str to Picture
+    pictures : mapping of str to Rendering
         Title and picture, left to right; all of one view.
     site : Site
         The measured spectrum and its fit.

@@ -11,6 +11,14 @@ from skinviz.errors import DataError, MeshError, SkinvizError
 from skinviz.scan.formats import write_mesh
 from skinviz.scene.scene_skin import skin_from_fit_file
 from skinviz.skin.report import fit_to_dict
+from skinviz.surface import (
+    CookTorrance,
+    Lambert,
+    Phong,
+    TorranceSparrow,
+    dispersion,
+    surface_models,
+)
 
 SKIN = """
 [skin]
@@ -173,6 +181,28 @@ def test_a_viewing_direction_may_be_given_with_lights_by_angle(folder):
     np.testing.assert_allclose(scene.lights[0].direction, frame.back, atol=1e-12)
 
 
+def test_every_surface_model_can_be_named(folder):
+    asked = {
+        "torrance-sparrow": ("gamma = 0.3", TorranceSparrow(0.3)),
+        "cook-torrance": (
+            "roughness = 0.2\nmasking = 'smith'",
+            CookTorrance(0.2, masking="smith"),
+        ),
+        "phong": ("exponent = 20\nspecular_scale = 0.5", Phong(20, 1.4, 0.5)),
+        "lambert": ("", Lambert()),
+    }
+    assert tuple(asked) == surface_models()
+    for model, (keys, expected) in asked.items():
+        text = f"{MESH}{SKIN}[surface]\nmodel = '{model}'\n{keys}\n"
+        assert written(folder, text).surface == expected
+
+
+@pytest.mark.parametrize("tissue", ["epidermis", "dermis"])
+def test_the_index_may_be_that_of_a_tissue(folder, tissue):
+    scene = written(folder, f"{MESH}{SKIN}[surface]\nn = '{tissue}'\nbeta = 0.5\n")
+    assert scene.surface.n == dispersion(tissue)
+
+
 def test_beta_may_be_given_itself(folder):
     scene = written(folder, f"{MESH}{SKIN}[surface]\nbeta = 0.7\ngamma = 0.2\n")
     assert scene.surface.beta == pytest.approx(0.7, rel=1e-12)
@@ -292,6 +322,28 @@ WRONG = {
         "not both",
     ),
     "beta": (MESH + SKIN + "[surface]\nbeta = -1", "beta|specular_scale"),
+    "surface model": (
+        MESH + SKIN + "[surface]\nmodel = 'fong'",
+        "choose one of: torrance-sparrow, cook-torrance, phong, lambert; did you mean "
+        "'phong'",
+    ),
+    "another model's key": (
+        MESH + SKIN + "[surface]\nmodel = 'phong'\ngamma = 0.3",
+        r"unknown key 'gamma' in \[surface\]; known are exponent, model, n, "
+        "specular_scale$",
+    ),
+    "a model's masking": (
+        MESH + SKIN + "[surface]\nmodel = 'cook-torrance'\nmasking = 'schlick'",
+        "choose one of: v-cavity, smith, none",
+    ),
+    "keys of no lobe": (
+        MESH + SKIN + "[surface]\nmodel = 'lambert'\nn = 1.4",
+        r"unknown key 'n' in \[surface\]; known are model$",
+    ),
+    "tissue": (
+        MESH + SKIN + "[surface]\nn = 'hypodermis'",
+        "choose one of: epidermis, dermis",
+    ),
     "one angle": (MESH + SKIN + "[view]\nangles = '60'", "angles must be"),
     "angles in words": (MESH + SKIN + "[view]\nangles = 'a/b'", "angles must be"),
     "angle beyond": (MESH + SKIN + "[view]\nangles = '60/100'", "0 to 90"),
@@ -329,6 +381,7 @@ KINDS = {
     "text": ["3", "true", "[1]", "2001-01-01"],
     "number": ["'a'", "true", "[1]"],
     "list": ["3", "'a'", "['a', 'b', 'c']", "[[1]]", "[true, 1, 1]"],
+    "text or number": ["true", "[1]"],
 }
 KEYS = {
     "text": [
@@ -346,7 +399,6 @@ KEYS = {
     ],
     "number": [
         ("surface", "gamma"),
-        ("surface", "n"),
         ("surface", "beta"),
         ("lights", "angle"),
         ("lights", "strength"),
@@ -360,6 +412,7 @@ KEYS = {
         ("view", "up"),
         ("view", "size"),
     ],
+    "text or number": [("surface", "n")],
 }
 
 

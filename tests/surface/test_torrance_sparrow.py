@@ -10,12 +10,8 @@ from strategies import log_uniform
 from tolerances import KINKED_QUADRATURE, ORACLE, QUADRATURE
 
 from skinviz import ArgumentError, TorranceSparrow
-from skinviz.surface import fresnel_reflectance, physical_beta
-from skinviz.surface.torrance_sparrow import (
-    MASKINGS,
-    facet_distribution,
-    specular_albedo,
-)
+from skinviz.surface import fresnel_reflectance, physical_beta, specular_albedo
+from skinviz.surface.torrance_sparrow import MASKINGS
 
 pytestmark = pytest.mark.usefixtures("strict_floats")
 
@@ -72,9 +68,9 @@ def test_narrow_lobes_keep_their_digits(gamma):
 
 @pytest.mark.parametrize("gamma", [1e-4, 0.02, 0.27, HALF_PI])
 def test_facets_are_half_as_many_at_the_half_width(gamma):
-    half = direction(gamma)
-    assert_allclose(facet_distribution(UP, half, gamma), 0.5, rtol=1e-10)
-    assert facet_distribution(UP, UP, gamma) == 1
+    surface, along = TorranceSparrow(gamma), direction(gamma)
+    assert_allclose(surface.parts(UP, along, along)["distribution"], 0.5, rtol=1e-10)
+    assert surface.parts(UP, UP, UP)["distribution"] == 1
 
 
 def test_without_contrast_nothing_is_reflected():

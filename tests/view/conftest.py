@@ -14,9 +14,9 @@ from skinviz import (
     load_archive,
     skin_model,
 )
-from skinviz.scene.camera import View
+from skinviz.rendering.plan import Plan
+from skinviz.rendering.render import render
 from skinviz.view.figures import Site
-from skinviz.view.offscreen import Picture
 
 
 @pytest.fixture(scope="session")
@@ -66,10 +66,5 @@ def scene(sites):
 
 @pytest.fixture(scope="session")
 def picture(scene):
-    """A picture made up in an array, 84 by 110 pixels."""
-    width, height = scene.camera.size
-    rgb = np.zeros((height, width, 3), dtype=np.uint8)
-    rgb[..., 0] = np.arange(width)
-    rgb[..., 1] = np.arange(height)[:, None]
-    view = View(np.zeros(3), *np.eye(3), np.inf, 1.0, scene.camera.size)
-    return Picture(rgb, view)
+    """The scene traced, 84 by 110 pixels."""
+    return render(scene, Plan(samples=1))

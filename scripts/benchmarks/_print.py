@@ -1,4 +1,4 @@
-"""Rows, clocks and the machine's name for ``skin_fit.py``."""
+"""Rows, clocks and the machine's name for the benchmarks."""
 
 import os
 import platform
