@@ -94,10 +94,11 @@ class LobeCurve:
 
 def masked_spread(light: Array, view: Array, masking: str) -> Array:
     """Return G/(N·V), which depends on no parameter, through the surface itself."""
-    wide = TorranceSparrow(np.pi / 2, 3.0, 1.0, masking)
+    n = 3.0
+    wide = TorranceSparrow(np.pi / 2, n, 1.0, masking)
     turn, cosine = np.abs(light - view) / 2, np.cos((light + view) / 2)
     D = np.exp(-_LN2 * np.square(turn / wide.gamma))
-    known = wide.beta * D * fresnel_reflectance(cosine, wide.n)
+    known = wide.beta * D * fresnel_reflectance(cosine, n)
     return np.asarray(in_plane(wide, light, view) / known)
 
 
