@@ -51,58 +51,70 @@ def in_plane(
 
 @dataclass(frozen=True, eq=False)
 class LobeCurve:
-    """The fit's function β · S · D(φ; γ) · F(μ; n) at the readings (m,)."""
+    """The fit's function β · S · D(φ; γ) · F(μ; n) at the readings (m,).
+
+    ``names`` says what is free and in what order it is given, ``fixed`` the rest;
+    ``turn`` is φ [rad], ``cosine`` is μ = V·H and ``spread`` is S, which depends on no
+    parameter.
+    """
 
     names: tuple[str, ...]
     fixed: dict[str, float]
-    turn: Array  # φ [rad]
-    cosine: Array  # μ = V·H
-    spread: Array  # S, what depends on no parameter
+    turn: Array
+    cosine: Array
+    spread: Array
 
     @property
     def bounds(self) -> Array:
         """Lower and upper bounds (2, p) of what is free."""
         return np.array([BOUNDS[name] for name in self.names]).T
 
-    def every(self, values: Array) -> tuple[float, float, float]:
-        """Return β, γ and n, free or fixed."""
-        both = {**self.fixed, **dict(zip(self.names, values.tolist(), strict=True))}
-        return both["beta"], both["gamma"], both["n"]
+    def every(self, values: Array) -> tuple[Array, Array, Array]:
+        """Return β, γ and n (...) of values (..., p), free or fixed."""
+        beta, gamma, n = (
+            values[..., self.names.index(name)]
+            if name in self.names
+            else np.full(values.shape[:-1], self.fixed[name])
+            for name in PARAMETERS
+        )
+        return beta, gamma, n
 
     def __call__(self, values: Array) -> Array:
-        """Return the specular part (m,)."""
-        beta, gamma, n = self.every(values)
+        """Return the specular part (..., m) of values (..., p)."""
+        beta, gamma, n = (x[..., None] for x in self.every(values))
+        F = fresnel_reflectance(self.cosine, n)
         with np.errstate(under="ignore"):
-            D = np.exp(-_LN2 * np.square(self.turn / gamma))
-            F = fresnel_reflectance(self.cosine, n)
-            return np.asarray(beta * self.spread * D * F)
+            return np.asarray(beta * self.spread * self._facets(gamma) * F)
 
     def slopes(self, values: Array) -> Array:
         """Return the derivatives (m, p) of the curve by what is free."""
         beta, gamma, n = self.every(values)
+        F, F_slope = fresnel_reflectance(self.cosine, n), _fresnel_slope(self.cosine, n)
         with np.errstate(under="ignore"):
-            D = np.exp(-_LN2 * np.square(self.turn / gamma))
-            F = fresnel_reflectance(self.cosine, n)
-            lit = self.spread * D
+            lit = self.spread * self._facets(gamma)
             columns = {
                 "beta": lit * F,
                 "gamma": beta * lit * F * 2 * _LN2 * np.square(self.turn) / gamma**3,
-                "n": beta * lit * _fresnel_slope(self.cosine, n),
+                "n": beta * lit * F_slope,
             }
         return np.stack([columns[name] for name in self.names], axis=1)
+
+    def _facets(self, gamma: Array) -> Array:
+        """Return D."""
+        return np.asarray(np.exp(-_LN2 * np.square(self.turn / gamma)))
 
 
 def masked_spread(light: Array, view: Array, masking: str) -> Array:
     """Return G/(N·V), which depends on no parameter, through the surface itself."""
-    n = 3.0
-    wide = TorranceSparrow(np.pi / 2, n, 1.0, masking)
+    widest, n = np.pi / 2, 3.0
+    wide = TorranceSparrow(widest, n, 1.0, masking)
     turn, cosine = np.abs(light - view) / 2, np.cos((light + view) / 2)
-    D = np.exp(-_LN2 * np.square(turn / wide.gamma))
+    D = np.exp(-_LN2 * np.square(turn / widest))
     known = wide.beta * D * fresnel_reflectance(cosine, n)
     return np.asarray(in_plane(wide, light, view) / known)
 
 
-def _fresnel_slope(cosine: Array, n: float) -> Array:
+def _fresnel_slope(cosine: Array, n: Array) -> Array:
     """Return ∂F/∂n of Fresnel's reflectance; 0 at grazing, where F is 1 for every n."""
     mu = np.minimum(cosine, 1.0)
     excess = (n - 1) * (n + 1)

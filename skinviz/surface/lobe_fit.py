@@ -112,19 +112,22 @@ def fit_lobe(
     covariance, interval = covariance_and_interval(
         curve.slopes(values), fitted - data, sigma, values, held, curve.bounds
     )
+    found_beta, found_gamma, found_n = map(float, curve.every(values))
     return LobeFit(
-        names,
-        values,
-        covariance,
-        interval,
-        status,
-        *curve.every(values),
-        masking,
-        light,
-        view,
-        data,
-        sigma,
-        fitted,
+        parameters=names,
+        values=values,
+        covariance=covariance,
+        interval=interval,
+        status=status,
+        beta=found_beta,
+        gamma=found_gamma,
+        n=found_n,
+        masking=masking,
+        illumination=light,
+        viewing=view,
+        specular=data,
+        uncertainty=sigma,
+        fitted=fitted,
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from skinviz.surface.lobe_curve import BOUNDS, LobeCurve
 
 Array = NDArray[np.float64]
 
-_STEPS = 500  # of the solver, at most
+_STEPS = 1000  # of the solver, at most
 _TRIED = {
     "gamma": np.geomspace(*BOUNDS["gamma"], 48),
     "n": 1 + np.geomspace(1e-3, 2.0, 12),
@@ -71,21 +70,24 @@ class _Problem:
         return replace(self, curve=replace(curve, names=curve.names[1:], fixed=fixed))
 
     def complete(self, rest: Array) -> Array:
-        """Return all values (p,) from those of the others."""
+        """Return all values (..., p) from those of the others."""
         if not self.linear:
             return rest
-        unit = self.curve(np.array([1.0, *rest])) / self.sigma
-        size = float(unit @ unit)
-        best = float(unit @ (self.data / self.sigma)) / size if size > 0 else 0.0
-        return np.array([np.clip(best, *BOUNDS["beta"]), *rest])
+        one = np.ones((*rest.shape[:-1], 1))
+        unit = self.curve(np.concatenate([one, rest], axis=-1)) / self.sigma
+        size = np.square(unit).sum(axis=-1)
+        along = unit @ (self.data / self.sigma)
+        best = np.divide(along, size, out=np.zeros(size.shape), where=size > 0)
+        beta = np.clip(best, *BOUNDS["beta"])[..., None]
+        return np.concatenate([beta, rest], axis=-1)
 
     def residuals(self, values: Array) -> Array:
-        """Return (fitted − data)/σ (m,)."""
+        """Return (fitted − data)/σ (..., m)."""
         return np.asarray((self.curve(values) - self.data) / self.sigma)
 
-    def cost(self, values: Array) -> float:
-        """Return the sum of squares."""
-        return float(np.square(self.residuals(values)).sum())
+    def cost(self, values: Array) -> Array:
+        """Return the sum of squares (...)."""
+        return np.asarray(np.square(self.residuals(values)).sum(axis=-1))
 
     def slopes(self, values: Array) -> Array:
         """Return the residuals' slopes by the others, β following (Kaufman's form)."""
@@ -134,12 +136,11 @@ def _starts(problem: _Problem) -> list[Array]:
     A valley is where the cost, at the best n for each γ, has a minimum.
     """
     axes = [_TRIED[name] for name in problem.curve.names if name != "beta"]
-    grid = [np.array(point) for point in product(*axes)]
-    costs = np.array([problem.cost(problem.complete(point)) for point in grid])
-    # The last axis is n, where it is free.
-    table = costs.reshape(len(axes[0]), -1) if len(axes) > 1 else costs[:, None]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    costs = problem.cost(problem.complete(grid))
+    table = costs.reshape(len(axes[0]), -1)
     best = table.argmin(axis=1)
     along = np.pad(table.min(axis=1), 1, constant_values=np.inf)
     valleys = np.flatnonzero((along[1:-1] <= along[:-2]) & (along[1:-1] <= along[2:]))
     deepest = valleys[np.argsort(along[1:-1][valleys], kind="stable")][:_DESCENTS]
-    return [grid[k * table.shape[1] + best[k]] for k in deepest.tolist()]
+    return list(grid.reshape(*table.shape, -1)[deepest, best[deepest]])
