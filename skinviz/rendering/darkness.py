@@ -68,7 +68,7 @@ def _why_missed(stage: Stage, hits: trace.Hits, k: int) -> str | None:
         return f"light {k + 1} is behind everything that the camera sees"
     if stage.plan.shadows:
         visible = trace.visibility(
-            stage.geometry, stage.lighting, hits.lifted, hits.normals
+            stage.geometry, stage.lighting, hits.lifted, hits.normals, hits.facets
         )
         if visible[k].mean() <= _SHARE:
             return f"the mesh hides light {k + 1} from everything that the camera sees"

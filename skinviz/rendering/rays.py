@@ -307,3 +307,70 @@ def mark_blocks(places: Any, faces: Any, block: Any, marked: Any) -> None:
             for column in range(int(max(left, 0)), int(min(right, columns - 1)) + 1):
                 left_out -= not marked[row, column]
                 marked[row, column] = True
+
+
+@compiled()
+def hemispheres(
+    points: Any, normals: Any, local: Any, origins: Any, directions: Any
+) -> None:
+    """Write rays from points (n, 3) in the directions ``local`` (k, 3) about normals.
+
+    References
+    ----------
+    .. [1] Duff et al., J. Comput. Graph. Tech. 6(1):1 (2017): right-angled axes.
+    """
+    k = local.shape[0]
+    for i in range(points.shape[0]):
+        x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
+        sign = 1.0 if z >= 0 else -1.0
+        a = -1 / (sign + z)
+        b = x * y * a
+        px, py, pz = (
+            points[i, 0] + OFFSET * x,
+            points[i, 1] + OFFSET * y,
+            points[i, 2] + OFFSET * z,
+        )
+        for j in range(k):
+            u, v, w = local[j, 0], local[j, 1], local[j, 2]
+            at = i * k + j
+            origins[at, 0], origins[at, 1], origins[at, 2] = px, py, pz
+            directions[at, 0] = u * (1 + sign * x * x * a) + v * b + w * x
+            directions[at, 1] = u * (sign * b) + v * (sign + y * y * a) + w * y
+            directions[at, 2] = u * (-sign * x) - v * y + w * z
+
+
+@compiled()
+def gather(
+    triangles: Any,
+    second: Any,
+    third: Any,
+    facets: Any,
+    directions: Any,
+    faces: Any,
+    leaving: Any,
+    out: Any,
+) -> None:
+    """Write the mean over each point's rays of the light that leaves what they meet.
+
+    ``second`` and ``third`` are the weights of a triangle's corners, ``facets`` its
+    normals (m, 3); the back of a triangle sends nothing. ``leaving`` is (n, e) of
+    vertices, ``out`` (points, e).
+    """
+    k = triangles.size // max(out.shape[0], 1)
+    for at in range(triangles.size):
+        if triangles[at] < 0:
+            continue
+        towards = (
+            facets[at, 0] * directions[at, 0]
+            + facets[at, 1] * directions[at, 1]
+            + facets[at, 2] * directions[at, 2]
+        )
+        if towards >= 0:
+            continue
+        face = faces[triangles[at]]
+        q, r = second[at] / k, third[at] / k
+        p = 1 / k - q - r
+        a, b, c = leaving[face[0]], leaving[face[1]], leaving[face[2]]
+        row = out[at // k]
+        for e in range(row.size):
+            row[e] += p * a[e] + q * b[e] + r * c[e]
