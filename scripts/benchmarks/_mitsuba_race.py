@@ -22,7 +22,7 @@ from skinviz.scene.scene import Scene
 from skinviz.spectra.colorimetry import xyz_weights
 
 _SHORT = 64  # samples a pixel up to which Mitsuba is timed in turns with us
-_TURNS = 7
+_TURNS = 9
 
 
 @dataclass(frozen=True, eq=False)
