@@ -5,11 +5,16 @@ from dataclasses import replace
 import mitsuba as mi
 import numpy as np
 from _mitsuba_formula import beckmann_facets, half_and_half, lambertian
-from _mitsuba_scene import Material, Setting, ball, bsdf, render, white
+from _mitsuba_scene import Material, Setting, ball, bsdf, padded, render, white
 from _print import Row
 
 from skinviz.scene.camera import Camera
-from skinviz.spectra.colorimetry import xyz_weights
+from skinviz.spectra.colorimetry import (
+    colour_matching_functions,
+    delta_e_2000,
+    xyz_to_lab,
+    xyz_weights,
+)
 
 _GRID = 16  # places in a pixel, along each side, where the formula is evaluated
 
@@ -21,6 +26,12 @@ def rows(setting: Setting, materials: dict[str, Material], surface):
     apart = np.abs(theirs / theirs[1] - ours).max()
     yield Row("perfect diffuser's X and Z for Y = 1, Mitsuba's less ours", "–",
               f"{apart:.1e}")  # fmt: skip
+    yield Row(
+        "the reflectance's colour, summed over bands as by skinviz or linear between "
+        "them as by Mitsuba; ΔE00",
+        "–",
+        f"{_bands(setting, materials['Lambertian'].reflectance):.3f}",
+    )
     for name, material in materials.items():
         yield Row(
             f"{name}: Mitsuba's BSDF against the formula, 200 pairs of directions",
@@ -39,6 +50,28 @@ def rows(setting: Setting, materials: dict[str, Material], surface):
         "1e-5",
         f"{_ours(surface):.1e} relative",
     )
+
+
+def _bands(setting: Setting, reflectance: np.ndarray) -> float:
+    """Return ΔE00 of two ways to a colour from bands.
+
+    Mitsuba's spectra, and its observer's table of 5 nm, are linear between entries.
+    """
+    bands = padded(setting.wavelengths)
+    fine = np.linspace(bands[0], bands[-1], 100_001)
+    table = np.arange(np.floor(bands[0] / 5) * 5, bands[-1] + 5, 5.0)
+    cmfs = [
+        np.interp(fine, table, column) for column in colour_matching_functions(table).T
+    ]
+    light = np.interp(fine, bands, np.pad(setting.spd, 1))
+    seen = np.interp(fine, setting.wavelengths, reflectance)
+    scale = np.trapezoid(light * cmfs[1], fine)
+    theirs = np.array([np.trapezoid(light * seen * c, fine) for c in cmfs]) / scale
+    weights = xyz_weights(setting.wavelengths, setting.spd)
+    labs = (
+        xyz_to_lab(xyz, weights.sum(axis=0)) for xyz in (reflectance @ weights, theirs)
+    )
+    return float(delta_e_2000(*labs))
 
 
 def _ours(surface) -> float:

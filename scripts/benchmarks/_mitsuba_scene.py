@@ -74,7 +74,7 @@ def white(setting: Setting, film: dict | None = None):
 
 def spectral_film(wavelengths: np.ndarray) -> dict:
     """Return a film of one channel a band, each a triangle from band to band."""
-    bands = _padded(wavelengths)
+    bands = padded(wavelengths)
     hats = {
         f"band{i:03d}": _spectrum(bands[i : i + 3], np.array([0.0, 1.0, 0.0]))
         for i in range(wavelengths.size)
@@ -84,7 +84,7 @@ def spectral_film(wavelengths: np.ndarray) -> dict:
 
 def bsdf(material: Material, wavelengths: np.ndarray) -> dict:
     """Return the material in Mitsuba's words."""
-    bands = _padded(wavelengths)
+    bands = padded(wavelengths)
     reflectance = np.pad(material.reflectance, 1, mode="edge")
     diffuse = {"type": "diffuse", "reflectance": _spectrum(bands, reflectance)}
     if material.roughness is None:
@@ -133,7 +133,7 @@ def _scene(
     light = {
         "type": "directional",
         "direction": list(-setting.light),
-        "irradiance": _spectrum(_padded(setting.wavelengths), np.pad(setting.spd, 1)),
+        "irradiance": _spectrum(padded(setting.wavelengths), np.pad(setting.spd, 1)),
     }
     surface = bsdf(material, setting.wavelengths)
     parts = {"integrator": integrator, "sensor": sensor, "light": light}
@@ -157,7 +157,7 @@ def timed(scene, spp: int, seed: int) -> tuple[np.ndarray, float]:
     return total / passes, passes * min(times)
 
 
-def _padded(wavelengths: np.ndarray) -> np.ndarray:
+def padded(wavelengths: np.ndarray) -> np.ndarray:
     """Return the bands with one more at either end."""
     first, last = wavelengths[:2], wavelengths[-2:]
     return np.r_[2 * first[0] - first[1], wavelengths, 2 * last[1] - last[0]]

@@ -34,17 +34,20 @@ def main() -> None:
     parser.add_argument("--variant", choices=(
         _mitsuba_variant.COMPILED, _mitsuba_variant.PLAIN))  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="256 pixels, 256 samples")
+    parser.add_argument("--only", choices=GOALS, help="one material")
     asked = parser.parse_args()
     variant = _mitsuba_variant.choose(asked.variant)
     print(f"{machine()}; {_mitsuba_variant.describe(variant)}\n")
-    if asked.quick:
-        compare(asked.angles, 256, [spp for spp in SWEEP if spp <= 256], asked.out)
-    else:
-        compare(asked.angles, asked.size, list(SWEEP), asked.out)
+    size = 256 if asked.quick else asked.size
+    sweep = [spp for spp in SWEEP if spp <= 256 or not asked.quick]
+    names = [asked.only] if asked.only else list(GOALS)
+    compare(asked.angles, size, sweep, names=names, out=asked.out)
     print(f"\nAt the end: {busy()}")
 
 
-def compare(angles: str, size: int, sweep: list[int], out: Path | None) -> None:
+def compare(
+    angles: str, size: int, sweep: list[int], *, names: list[str], out: Path | None
+) -> None:
     """Check Mitsuba against the formulas, then race it on each material."""
     # They import Mitsuba's variant, which must have been chosen.
     import _mitsuba_bands
@@ -61,10 +64,10 @@ def compare(angles: str, size: int, sweep: list[int], out: Path | None) -> None:
     print(f"{size} × {size} pixels, {angles}\n\n{HEAD}", flush=True)
     for row in _mitsuba_checks.rows(setting, materials, ours["half rough"].surface):
         print(line(row), flush=True)
-    for name, scene in ours.items():
+    for name in names:
         own = [spp for spp in sweep if spp <= SHORT or name != "Lambertian"]
         race = _mitsuba_race.run(
-            scene, geometry, setting, materials[name], spps=own, best=sweep[-1]
+            ours[name], geometry, setting, materials[name], spps=own, best=sweep[-1]
         )
         for row in agreement(name, race):
             print(line(row), flush=True)
