@@ -274,6 +274,71 @@ def shadow_rays(
 
 
 @compiled()
+def hemisphere_rays(
+    points: Any, normals: Any, local: Any, origins: Any, directions: Any
+) -> None:
+    """Write rays from points (n, 3) in directions (r, 3) about their normals (n, 3).
+
+    Of axes at right angles to a normal; see Duff et al., J. Comput. Graph. Tech.
+    6(1):1 (2017).
+    """
+    j = 0
+    for i in range(points.shape[0]):
+        x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
+        px, py, pz = points[i, 0], points[i, 1], points[i, 2]
+        sign = 1.0 if z >= 0 else -1.0
+        a = -1 / (sign + z)
+        b = x * y * a
+        ux, uy, uz = 1 + sign * x * x * a, sign * b, -sign * x
+        vx, vy, vz = b, sign + y * y * a, -y
+        for k in range(local.shape[0]):
+            u, v, w = local[k, 0], local[k, 1], local[k, 2]
+            directions[j, 0] = u * ux + v * vx + w * x
+            directions[j, 1] = u * uy + v * vy + w * y
+            directions[j, 2] = u * uz + v * vz + w * z
+            origins[j, 0] = px + OFFSET * x
+            origins[j, 1] = py + OFFSET * y
+            origins[j, 2] = pz + OFFSET * z
+            j += 1
+
+
+@compiled()
+def collect(
+    triangles: Any,
+    across: Any,
+    u: Any,
+    v: Any,
+    directions: Any,
+    faces: Any,
+    leaving: Any,
+    out: Any,
+) -> None:
+    """Add to ``out`` (n, k) the mean of what leaves where each point's rays hit.
+
+    ``across`` (m, 3) are Embree's normals of what is hit, outwards; ``u`` and ``v``
+    its weights of the second and third corner. Backs of triangles are dark.
+    """
+    n, columns = out.shape
+    per_point = triangles.size // n
+    share = 1 / per_point
+    for j in range(triangles.size):
+        if triangles[j] < 0:
+            continue
+        towards = 0.0
+        for x in range(3):
+            towards += across[j, x] * directions[j, x]
+        if towards >= 0:
+            continue
+        second = max(np.float64(u[j]), 0.0)
+        third = max(np.float64(v[j]), 0.0)
+        first = max(1 - second - third, 0.0)
+        face, row = faces[triangles[j]], out[j // per_point]
+        a, b, c = leaving[face[0]], leaving[face[1]], leaving[face[2]]
+        for i in range(columns):
+            row[i] += share * (first * a[i] + second * b[i] + third * c[i])
+
+
+@compiled()
 def interpolate(hits: Any, faces: Any, weights: Any, fields: Any, out: Any) -> None:
     """Write fields (n, e), given at vertices, at points of triangles ``hits``."""
     for j in range(hits.size):
