@@ -232,7 +232,8 @@ def expand_mapped(
             _products(lit[:, at], light, sums[1])
             _products(gloss[:, at], shine, sums[2])
             for j in range(bands):
-                sums[0, j] += body[at, j] * sums[1, j] + sums[2, j]
+                # Fields of few spectra may be below 0 by their rounding.
+                sums[0, j] += body[at, j] * max(sums[1, j], 0.0) + sums[2, j]
             at += 1
         for j in range(bands):
             out[row, j] = sums[0, j] / samples

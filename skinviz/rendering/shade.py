@@ -211,7 +211,7 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
     lit = scalars[:n_lights] @ spectra.light + scalars[rows:] @ stage.fields.spectra
     return VertexSpectrum(
         scene.wavelengths,
-        lit * body,
+        np.maximum(lit, 0) * body,
         scalars[n_lights:rows] @ spectra.shine,
         light_spectra(scene)[0],
     )

@@ -17,7 +17,16 @@ from meshes import (
     toy_hand,
     wave,
 )
-from skinviz import Camera, DirectionalLight, Plan, PointLight, Skin, render, shade
+from skinviz import (
+    Camera,
+    DirectionalLight,
+    Plan,
+    PointLight,
+    Skin,
+    render,
+    shade,
+    vertex_spectrum,
+)
 from skinviz.errors import ArgumentError
 from skinviz.rendering.bounce import gather
 from skinviz.rendering.geometry import geometry_of
@@ -249,6 +258,25 @@ def test_bounced_light_only_brightens_and_is_never_negative(valley, mapped):
     picture = render(scene, Plan(4))
     assert (picture.xyz >= 0).all()
     assert (picture.radiance() >= 0).all()
+
+
+def test_unlit_skin_that_nothing_lights_is_black_not_negative(matt):
+    # Elsewhere light is gathered in so many colours that their parts leave rounding.
+    mesh = toy_hand(80.0, 24, 30)
+    values = np.random.default_rng(3).uniform(0, 1, (mesh.n_points, 3)) ** 6
+    scene = diffuse(
+        matt,
+        mesh=mesh,
+        skin=Skin(matt.skin.model, values),
+        lights=(DirectionalLight([0, 0.3, 1]),),
+        camera=Camera([0, -1, 0], Z, (24, 24)),
+    )
+    plan = Plan(1, bounce_rays=64)
+    radiance = np.asarray(shade(scene, plan).point_data["radiance"])
+    assert radiance.min() == 0
+    assert (render(scene, plan).radiance() >= 0).all()
+    for vertex in np.flatnonzero((radiance == 0).all(axis=1))[:20]:
+        assert (vertex_spectrum(scene, int(vertex)).diffuse >= 0).all()
 
 
 def test_more_rays_come_nearer(valley):
