@@ -53,7 +53,10 @@ if TYPE_CHECKING:
         read_illuminant,
     )
     from skinviz.surface.cook_torrance import CookTorrance
+    from skinviz.surface.fitted_lobe import LobeFit
+    from skinviz.surface.gonio import read_gonio
     from skinviz.surface.lambert import Lambert
+    from skinviz.surface.lobe_fit import alpha_from_diffuse, fit_lobe
     from skinviz.surface.models import surface_model, surface_models
     from skinviz.surface.phong import Phong
     from skinviz.surface.torrance_sparrow import TorranceSparrow
@@ -108,7 +111,11 @@ _HOME = {
     "illuminants": "spectra.illuminants",
     "read_illuminant": "spectra.illuminants",
     "CookTorrance": "surface.cook_torrance",
+    "LobeFit": "surface.fitted_lobe",
+    "read_gonio": "surface.gonio",
     "Lambert": "surface.lambert",
+    "alpha_from_diffuse": "surface.lobe_fit",
+    "fit_lobe": "surface.lobe_fit",
     "Phong": "surface.phong",
     "surface_model": "surface.models",
     "surface_models": "surface.models",

@@ -21,7 +21,7 @@ from skinviz.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-_CHUNK = 2**18  # rays that a thread casts in one go
+_RAYS = 2**16  # that a thread casts in one go
 _RANK = 1e-7  # of the largest, below which a field's share is left out
 
 
@@ -83,20 +83,22 @@ def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
     """
     gathered = np.zeros_like(leaving)
     local = _cosine_directions(n_rays)
-    tree = geometry.embree  # made before there are threads
+    tree = geometry.embree  # built before there are threads
 
     def work(part: slice) -> None:
-        n = (part.stop - part.start) * n_rays
-        origins, directions = (np.zeros((n, 3), dtype=np.float32) for _ in range(2))
-        points, normals = geometry.points[part], geometry.normals[part]
-        rays.hemisphere_rays(points, normals, local, origins, directions)
-        hits = tree.run(origins, directions, query="INTERSECT", output=True)
-        rays.collect(
-            *(hits["primID"], hits["Ng"], hits["u"], hits["v"], directions),
+        m = (part.stop - part.start) * n_rays
+        origins, directions = (np.zeros((m, 3), dtype=np.float32) for _ in range(2))
+        rays.hemispheres(
+            *(geometry.points[part], geometry.normals[part], local),
+            *(origins, directions),
+        )
+        met = tree.run(origins, directions, query="INTERSECT", output=True)
+        rays.gather(
+            *(met["primID"], met["u"], met["v"], met["Ng"], directions),
             *(geometry.faces, leaving, gathered[part]),
         )
 
-    in_slices(work, len(leaving), max(1, _CHUNK // n_rays))
+    in_slices(work, len(leaving), max(1, _RAYS // n_rays))
     return gathered
 
 

@@ -274,71 +274,6 @@ def shadow_rays(
 
 
 @compiled()
-def hemisphere_rays(
-    points: Any, normals: Any, local: Any, origins: Any, directions: Any
-) -> None:
-    """Write rays from points (n, 3) in directions (r, 3) about their normals (n, 3).
-
-    Of axes at right angles to a normal; see Duff et al., J. Comput. Graph. Tech.
-    6(1):1 (2017).
-    """
-    j = 0
-    for i in range(points.shape[0]):
-        x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
-        px, py, pz = points[i, 0], points[i, 1], points[i, 2]
-        sign = 1.0 if z >= 0 else -1.0
-        a = -1 / (sign + z)
-        b = x * y * a
-        ux, uy, uz = 1 + sign * x * x * a, sign * b, -sign * x
-        vx, vy, vz = b, sign + y * y * a, -y
-        for k in range(local.shape[0]):
-            u, v, w = local[k, 0], local[k, 1], local[k, 2]
-            directions[j, 0] = u * ux + v * vx + w * x
-            directions[j, 1] = u * uy + v * vy + w * y
-            directions[j, 2] = u * uz + v * vz + w * z
-            origins[j, 0] = px + OFFSET * x
-            origins[j, 1] = py + OFFSET * y
-            origins[j, 2] = pz + OFFSET * z
-            j += 1
-
-
-@compiled()
-def collect(
-    triangles: Any,
-    across: Any,
-    u: Any,
-    v: Any,
-    directions: Any,
-    faces: Any,
-    leaving: Any,
-    out: Any,
-) -> None:
-    """Add to ``out`` (n, k) the mean of what leaves where each point's rays hit.
-
-    ``across`` (m, 3) are Embree's normals of what is hit, outwards; ``u`` and ``v``
-    its weights of the second and third corner. Backs of triangles are dark.
-    """
-    n, columns = out.shape
-    per_point = triangles.size // n
-    share = 1 / per_point
-    for j in range(triangles.size):
-        if triangles[j] < 0:
-            continue
-        towards = 0.0
-        for x in range(3):
-            towards += across[j, x] * directions[j, x]
-        if towards >= 0:
-            continue
-        second = max(np.float64(u[j]), 0.0)
-        third = max(np.float64(v[j]), 0.0)
-        first = max(1 - second - third, 0.0)
-        face, row = faces[triangles[j]], out[j // per_point]
-        a, b, c = leaving[face[0]], leaving[face[1]], leaving[face[2]]
-        for i in range(columns):
-            row[i] += share * (first * a[i] + second * b[i] + third * c[i])
-
-
-@compiled()
 def interpolate(hits: Any, faces: Any, weights: Any, fields: Any, out: Any) -> None:
     """Write fields (n, e), given at vertices, at points of triangles ``hits``."""
     for j in range(hits.size):
@@ -372,3 +307,70 @@ def mark_blocks(places: Any, faces: Any, block: Any, marked: Any) -> None:
             for column in range(int(max(left, 0)), int(min(right, columns - 1)) + 1):
                 left_out -= not marked[row, column]
                 marked[row, column] = True
+
+
+@compiled()
+def hemispheres(
+    points: Any, normals: Any, local: Any, origins: Any, directions: Any
+) -> None:
+    """Write rays from points (n, 3) in the directions ``local`` (k, 3) about normals.
+
+    References
+    ----------
+    .. [1] Duff et al., J. Comput. Graph. Tech. 6(1):1 (2017): right-angled axes.
+    """
+    k = local.shape[0]
+    for i in range(points.shape[0]):
+        x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
+        sign = 1.0 if z >= 0 else -1.0
+        a = -1 / (sign + z)
+        b = x * y * a
+        px, py, pz = (
+            points[i, 0] + OFFSET * x,
+            points[i, 1] + OFFSET * y,
+            points[i, 2] + OFFSET * z,
+        )
+        for j in range(k):
+            u, v, w = local[j, 0], local[j, 1], local[j, 2]
+            at = i * k + j
+            origins[at, 0], origins[at, 1], origins[at, 2] = px, py, pz
+            directions[at, 0] = u * (1 + sign * x * x * a) + v * b + w * x
+            directions[at, 1] = u * (sign * b) + v * (sign + y * y * a) + w * y
+            directions[at, 2] = u * (-sign * x) - v * y + w * z
+
+
+@compiled()
+def gather(
+    triangles: Any,
+    second: Any,
+    third: Any,
+    facets: Any,
+    directions: Any,
+    faces: Any,
+    leaving: Any,
+    out: Any,
+) -> None:
+    """Write the mean over each point's rays of the light that leaves what they meet.
+
+    ``second`` and ``third`` are the weights of a triangle's corners, ``facets`` its
+    normals (m, 3); the back of a triangle sends nothing. ``leaving`` is (n, e) of
+    vertices, ``out`` (points, e).
+    """
+    k = triangles.size // max(out.shape[0], 1)
+    for at in range(triangles.size):
+        if triangles[at] < 0:
+            continue
+        towards = (
+            facets[at, 0] * directions[at, 0]
+            + facets[at, 1] * directions[at, 1]
+            + facets[at, 2] * directions[at, 2]
+        )
+        if towards >= 0:
+            continue
+        face = faces[triangles[at]]
+        q, r = max(second[at] / k, 0.0), max(third[at] / k, 0.0)
+        p = max(1 / k - q - r, 0.0)
+        a, b, c = leaving[face[0]], leaving[face[1]], leaving[face[2]]
+        row = out[at // k]
+        for e in range(row.size):
+            row[e] += p * a[e] + q * b[e] + r * c[e]

@@ -20,7 +20,7 @@ from skinviz.rendering.colour import encoded
 from skinviz.rendering.darkness import why_dark
 from skinviz.rendering.files import write_picture
 from skinviz.rendering.geometry import Geometry
-from skinviz.rendering.imager import Advance, Single, pixel_colours, pixel_radiance
+from skinviz.rendering.imager import Advance, Box, Single, pixel_colours, pixel_radiance
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.stage import Stage, stage_of
 from skinviz.scene.camera import View
@@ -141,17 +141,10 @@ class Rendering:
             If the pixel or region is not within the picture, its spectra are more
             than the memory holds, or ``out`` is not as it must be.
         """
-        width, _ = self.size
-        left, top, right, bottom = _box(where, self.size)
+        left, top, right, bottom = box = _box(where, self.size)
         shape = (bottom - top, right - left, self.wavelengths.size)
         out = _target(shape) if out is None else _checked(out, shape)
-        if shape[1] == width:
-            pixels = slice(top * width, bottom * width)
-            pixel_radiance(self._stage, pixels, out.reshape(-1, shape[2]), advance)
-        else:
-            for row in range(top, bottom):
-                pixels = slice(row * width + left, row * width + right)
-                pixel_radiance(self._stage, pixels, out[row - top], advance)
+        pixel_radiance(self._stage, box, out.reshape(-1, shape[2]), advance)
         return out[0, 0] if where is not None and len(where) == 2 else out
 
     @property
@@ -265,7 +258,7 @@ def render(
             "target"
         )
     width, height = scene.camera.size
-    xyz, covered = pixel_colours(stage, slice(0, width * height), advance)
+    xyz, covered = pixel_colours(stage, (0, 0, width, height), advance)
     shape = (height, width)
     notes = tuple(why_dark(stage, xyz, covered))
     for note in notes:
@@ -273,9 +266,7 @@ def render(
     return Rendering(xyz.reshape(*shape, 3), covered.reshape(shape), notes, stage)
 
 
-def _box(
-    where: tuple[int, ...] | None, size: tuple[int, int]
-) -> tuple[int, int, int, int]:
+def _box(where: tuple[int, ...] | None, size: tuple[int, int]) -> Box:
     """Return left, top, right and bottom of a pixel, a region or the whole."""
     width, height = size
     if where is None:

@@ -308,14 +308,14 @@ def test_each_samples_light_counts_the_same(ball):
     stage = stage_of(ball)
     n = 20 * 16
     whole = np.zeros((n, 61), dtype=np.float32)
-    pixel_radiance(stage, slice(0, n), whole)
-    xyz, covered = pixel_colours(stage, slice(0, n))
+    pixel_radiance(stage, (0, 0, 20, 16), whole)
+    xyz, covered = pixel_colours(stage, (0, 0, 20, 16))
     parts = []
     for cell in stage.plan.cells:
         one = dataclasses.replace(stage, plan=OneCell(cell))
         out = np.zeros((n, 61), dtype=np.float32)
-        pixel_radiance(one, slice(0, n), out)
-        parts.append((out, *pixel_colours(one, slice(0, n))))
+        pixel_radiance(one, (0, 0, 20, 16), out)
+        parts.append((out, *pixel_colours(one, (0, 0, 20, 16))))
     light, colours, hit = (
         np.array(part, float).sum(axis=0) for part in zip(*parts, strict=True)
     )
