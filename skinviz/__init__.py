@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         SkinvizError,
         SystemLibraryError,
     )
+    from skinviz.rendering.files import read_picture_metadata
     from skinviz.rendering.geometry import geometry_of
     from skinviz.rendering.plan import Plan
     from skinviz.rendering.render import Rendering, render
@@ -42,7 +43,22 @@ if TYPE_CHECKING:
     from skinviz.skin.models import skin_model, skin_models
     from skinviz.skin.skin_fit import SkinFit
     from skinviz.spectra.archives import load_archive
+    from skinviz.spectra.display import SRGB, Display, measured_display, read_icc
+    from skinviz.spectra.display_file import read_display
     from skinviz.spectra.files import read_spectra, write_spectra
+    from skinviz.spectra.illuminants import (
+        Illuminant,
+        black_body,
+        illuminants,
+        read_illuminant,
+    )
+    from skinviz.surface.cook_torrance import CookTorrance
+    from skinviz.surface.fitted_lobe import LobeFit
+    from skinviz.surface.gonio import read_gonio
+    from skinviz.surface.lambert import Lambert
+    from skinviz.surface.lobe_fit import alpha_from_diffuse, fit_lobe
+    from skinviz.surface.models import surface_model, surface_models
+    from skinviz.surface.phong import Phong
     from skinviz.surface.torrance_sparrow import TorranceSparrow
 
 # Loaded when first used, so that ``import skinviz`` costs next to nothing.
@@ -54,6 +70,7 @@ _HOME = {
     "SceneWarning": "errors",
     "SkinvizError": "errors",
     "SystemLibraryError": "errors",
+    "read_picture_metadata": "rendering.files",
     "geometry_of": "rendering.geometry",
     "Plan": "rendering.plan",
     "Rendering": "rendering.render",
@@ -84,6 +101,24 @@ _HOME = {
     "load_archive": "spectra.archives",
     "read_spectra": "spectra.files",
     "write_spectra": "spectra.files",
+    "SRGB": "spectra.display",
+    "Display": "spectra.display",
+    "measured_display": "spectra.display",
+    "read_display": "spectra.display_file",
+    "read_icc": "spectra.display",
+    "Illuminant": "spectra.illuminants",
+    "black_body": "spectra.illuminants",
+    "illuminants": "spectra.illuminants",
+    "read_illuminant": "spectra.illuminants",
+    "CookTorrance": "surface.cook_torrance",
+    "LobeFit": "surface.fitted_lobe",
+    "read_gonio": "surface.gonio",
+    "Lambert": "surface.lambert",
+    "alpha_from_diffuse": "surface.lobe_fit",
+    "fit_lobe": "surface.lobe_fit",
+    "Phong": "surface.phong",
+    "surface_model": "surface.models",
+    "surface_models": "surface.models",
     "TorranceSparrow": "surface.torrance_sparrow",
 }
 

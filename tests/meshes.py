@@ -34,6 +34,14 @@ def plane(n=9, size=40.0):
     return polydata(points, np.concatenate([lower, upper]))
 
 
+def wave(n=33, size=40.0, height=2.0):
+    """A curved sheet over a square of n × n points, seen from +z without folds."""
+    flat = plane(n, size)
+    points = np.array(flat.points)
+    points[:, 2] = height * np.sin(points[:, 0] / 7) * np.cos(points[:, 1] / 5)
+    return polydata(points, faces_of(flat))
+
+
 def tetrahedron():
     """Four points, four faces that face outwards, volume 1/6."""
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -67,7 +75,7 @@ def toy_hand(length=180.0, n_around=72, n_along=90):
 def moved(mesh, pose):
     """A copy of a mesh after a rigid motion (4, 4)."""
     points = np.asarray(mesh.points) @ pose[:3, :3].T + pose[:3, 3]
-    return polydata(points, np.asarray(mesh.regular_faces, dtype=np.int64))
+    return polydata(points, faces_of(mesh))
 
 
 def joined(*meshes):
@@ -75,15 +83,20 @@ def joined(*meshes):
     points, faces, count = [], [], 0
     for mesh in meshes:
         points.append(np.asarray(mesh.points))
-        faces.append(np.asarray(mesh.regular_faces, dtype=np.int64) + count)
+        faces.append(faces_of(mesh) + count)
         count += mesh.n_points
     return polydata(np.concatenate(points), np.concatenate(faces))
 
 
 def without_faces(mesh, drop):
     """A copy of a mesh without the faces for which ``drop`` is true."""
-    faces = np.asarray(mesh.regular_faces, dtype=np.int64)
+    faces = faces_of(mesh)
     return polydata(np.asarray(mesh.points), faces[~np.asarray(drop)])
+
+
+def faces_of(mesh):
+    """The corners (m, 3) of a mesh's triangles."""
+    return np.asarray(mesh.regular_faces, dtype=np.int64)
 
 
 def face_centres(mesh):

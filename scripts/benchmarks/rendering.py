@@ -162,7 +162,9 @@ def bare(stage: Stage) -> tuple[Callable[[], None], int]:
     starts, ways = (np.zeros((m, 3), np.float32) for _ in range(2))
     lengths, asked = np.zeros(m, np.float32), np.zeros(m, np.int64)
     light = stage.lighting.lights[0]
-    m = rays.shadow_rays(hits.lifted, hits.normals, light, asked, starts, ways, lengths)
+    m = rays.shadow_rays(
+        hits.lifted, hits.normals, hits.facets, light, asked, starts, ways, lengths
+    )
     embree = stage.geometry.embree
 
     def parts(n: int) -> list[slice]:
@@ -214,9 +216,10 @@ def peak(size: int) -> str:
 def streamed() -> list[Row]:
     """Return what an 8192 × 8192 cube takes, written row by row."""
     code = (
-        "import resource, sys; sys.path.insert(0, sys.argv[1]); from rendering import *;"
+        "import resource, sys; sys.path.insert(0, sys.argv[1]);"
+        "from rendering import *;"
         "p = render(hand(8192), Plan(samples=1)); p.save(sys.argv[2] + '/hand.png');"
-        "p.save(sys.argv[2] + '/hand.hdr');"  # noqa
+        "p.save(sys.argv[2] + '/hand.hdr');"
         "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20)"
     )
     with tempfile.TemporaryDirectory() as folder:

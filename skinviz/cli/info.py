@@ -13,29 +13,38 @@ if TYPE_CHECKING:
     from skinviz.scene.scene import Scene
 
 
+_PICTURES = (".png", ".tif", ".tiff", ".exr", ".hdr")
+
+
 def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
-    """Say what a scene or a scan holds and what will be computed.
+    """Say what a scene, a scan or a picture holds, and how it is or was computed.
 
     Example: skinviz info scene.toml
 
     Parameters
     ----------
     file
-        Scene file (.toml), raw scan or mesh.
+        Scene file (.toml), raw scan, mesh, or a picture that skinviz wrote.
     unit
         Unit of length in a scan or mesh file, unless it states it.
     json
         Print it as JSON.
     """
-    if file.suffix.lower() in (".csv", ".json"):
+    suffix = file.suffix.lower()
+    if suffix in (".csv", ".json"):
         raise DataError(
-            f"{file}: info is for scenes (.toml), scans and meshes; spectra are shown "
-            "by skinviz fit"
+            f"{file}: info is for scenes (.toml), scans, meshes and pictures; spectra "
+            "are shown by skinviz fit"
         )
-    if file.suffix.lower() == ".toml":
+    if suffix == ".toml":
         from skinviz.scene.scene_file import read_scene
 
         facts = _scene_facts(read_scene(file))
+    elif suffix in _PICTURES:
+        from skinviz.rendering.files import read_picture_metadata
+
+        facts = read_picture_metadata(file)
+        facts = facts if json else _told(facts)
     else:
         from skinviz.scan.formats import read_scan
 
@@ -47,6 +56,19 @@ def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
     for name, value in facts.items():
         for i, line in enumerate(value if isinstance(value, list) else [value]):
             say(f"{name if i == 0 else '':<{width}}  {line}")
+
+
+def _told(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Return a picture's metadata a line each, what is nested within it as JSON."""
+    from json import dumps
+
+    flat = dict(metadata)
+    for key in ("scene", "units"):
+        flat |= flat.pop(key, {})
+    return {
+        key: value if isinstance(value, str) else dumps(value, ensure_ascii=False)
+        for key, value in flat.items()
+    }
 
 
 def _scene_facts(scene: Scene) -> dict[str, Any]:

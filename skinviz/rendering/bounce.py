@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
+from skinviz._threads import in_slices
 from skinviz.rendering import rays, trace
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.lighting import Lighting, Spectra
@@ -21,7 +21,7 @@ from skinviz.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
-_CHUNK = 2**18  # rays at once
+_RAYS = 2**16  # that a thread casts in one go
 _RANK = 1e-7  # of the largest, below which a field's share is left out
 
 
@@ -83,35 +83,22 @@ def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
     """
     gathered = np.zeros_like(leaving)
     local = _cosine_directions(n_rays)
-    step = max(1, _CHUNK // n_rays)
-    for first in range(0, len(leaving), step):
-        part = slice(first, first + step)
-        gathered[part] = _weights(geometry, part, local) @ leaving
+
+    def work(part: slice) -> None:
+        m = (part.stop - part.start) * n_rays
+        origins, directions = (np.zeros((m, 3), dtype=np.float32) for _ in range(2))
+        rays.hemispheres(
+            *(geometry.points[part], geometry.normals[part], local),
+            *(origins, directions),
+        )
+        met = geometry.embree.run(origins, directions, query="INTERSECT", output=True)
+        rays.gather(
+            *(met["primID"], met["u"], met["v"], met["Ng"], directions),
+            *(geometry.faces, leaving, gathered[part]),
+        )
+
+    in_slices(work, len(leaving), max(1, _RAYS // n_rays))
     return gathered
-
-
-def _weights(geometry: Geometry, part: slice, local: Array) -> csr_array:
-    """Return the matrix by which leaving light becomes the mean of what arrives."""
-    normals, points = geometry.normals[part], geometry.points[part]
-    n, n_rays = len(points), len(local)
-    directions = np.einsum("rk,nkx->nrx", local, _frames(normals)).reshape(-1, 3)
-    origins = np.repeat(points + rays.OFFSET * normals, n_rays, axis=0)
-    hits = geometry.embree.run(
-        origins.astype(np.float32),
-        directions.astype(np.float32),
-        query="INTERSECT",
-        output=True,
-    )
-    # Embree's u and v belong to the second and third corner.
-    met = hits["primID"] >= 0
-    met &= np.einsum("ij,ij->i", hits["Ng"], directions) < 0  # else its inside is seen
-    u, v = hits["u"][met], hits["v"][met]
-    columns = geometry.faces[hits["primID"][met]]
-    shares = np.stack([1 - u - v, u, v], axis=1).astype(np.float64) / n_rays
-    rows = np.repeat(np.flatnonzero(met) // n_rays, 3)
-    return csr_array(
-        (shares.ravel(), (rows, columns.ravel())), shape=(n, len(geometry.points))
-    )
 
 
 def _cosine_directions(n: int) -> Array:
@@ -120,19 +107,3 @@ def _cosine_directions(n: int) -> Array:
     turn = np.arange(n) * np.pi * (3 - np.sqrt(5))
     across = np.sqrt(1 - height**2)
     return np.stack([across * np.cos(turn), across * np.sin(turn), height], axis=1)
-
-
-def _frames(normals: Array) -> Array:
-    """Return right-angled axes (n, 3, 3) whose third is the normal.
-
-    References
-    ----------
-    .. [1] Duff et al., J. Comput. Graph. Tech. 6(1):1 (2017).
-    """
-    x, y, z = normals.T
-    sign = np.where(z >= 0, 1.0, -1.0)
-    a = -1 / (sign + z)
-    b = x * y * a
-    first = np.stack([1 + sign * x * x * a, sign * b, -sign * x], axis=1)
-    second = np.stack([b, sign + y * y * a, -y], axis=1)
-    return np.stack([first, second, normals], axis=1)

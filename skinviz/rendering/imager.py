@@ -17,20 +17,24 @@ Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 Advance = Callable[[int], object]
 
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom of pixels, the last two not among them."""
+
 _RAYS = 2**16  # that a thread casts in one go
+_NUMBERS = 2**22  # of reflectance that it holds, where each point has its own
 
 
 def pixel_colours(
-    stage: Stage, pixels: slice, advance: Advance | None = None
+    stage: Stage, box: Box, advance: Advance | None = None
 ) -> tuple[Single, NDArray[np.uint8]]:
-    """Return XYZ (k, 3) of a range of pixels, and how many of their rays hit (k,)."""
-    n = pixels.stop - pixels.start
+    """Return XYZ (k, 3) of a box's pixels, and how many of their rays hit (k,)."""
+    n = _count(box)
     xyz, covered = np.zeros((n, 3), np.float32), np.zeros(n, np.uint8)
     spectra = stage.spectra
     matrix = spectra.products(stage.fields.spectra) @ spectra.colour
 
     def work(part: slice) -> None:
-        hits = _cast(stage, pixels.start, part)
+        hits = _cast(stage, box, part)
         covered[part] = hits.covered
         if spectra.body is not None:
             _expand(stage, hits, matrix, xyz[part])
@@ -44,35 +48,46 @@ def pixel_colours(
 
 
 def pixel_radiance(
-    stage: Stage, pixels: slice, out: Single, advance: Advance | None = None
+    stage: Stage, box: Box, out: Single, advance: Advance | None = None
 ) -> None:
-    """Write the radiance (k, bands) of a range of pixels."""
+    """Write the radiance (k, bands) of a box's pixels, row after row."""
     spectra = stage.spectra
     matrix = as_single(spectra.products(stage.fields.spectra))
 
     def work(part: slice) -> None:
-        hits = _cast(stage, pixels.start, part)
+        hits = _cast(stage, box, part)
         if spectra.body is not None:
             _expand(stage, hits, matrix, out[part])
         else:
             _expand_mapped(stage, hits, out[part])
 
-    in_slices(work, pixels.stop - pixels.start, _step(stage), advance)
+    in_slices(work, _count(box), _step(stage), advance)
+
+
+def _count(box: Box) -> int:
+    """Return how many pixels a box has."""
+    left, top, right, bottom = box
+    return (right - left) * (bottom - top)
 
 
 def _step(stage: Stage) -> int:
     """Return how many pixels a thread works on in one go."""
-    return max(1, _RAYS // stage.plan.samples)
+    rays = _RAYS
+    if stage.spectra.body is None:
+        rays = min(rays, _NUMBERS // stage.scene.wavelengths.size)
+    return max(1, rays // stage.plan.samples)
 
 
-def _cast(stage: Stage, start: int, part: slice) -> trace.Hits:
-    """Cast the rays of some pixels."""
-    pixels = np.arange(start + part.start, start + part.stop)
+def _cast(stage: Stage, box: Box, part: slice) -> trace.Hits:
+    """Cast the rays of some of a box's pixels."""
+    left, top, right, _ = box
+    row, column = np.divmod(np.arange(part.start, part.stop), right - left)
+    row, column = row + top, column + left
     block, marked = stage.sight.blocks
-    row, column = np.divmod(pixels, stage.sight.view.size[0])
     asked = np.flatnonzero(marked[row // block, column // block])
-    hits = trace.cast(stage.sight, stage.plan.cells, pixels[asked])
-    covered = np.zeros(pixels.size, dtype=np.uint8)
+    pixels = (row * stage.sight.view.size[0] + column)[asked]
+    hits = trace.cast(stage.sight, stage.plan.cells, pixels)
+    covered = np.zeros(row.size, dtype=np.uint8)
     covered[asked] = hits.covered
     return dataclasses.replace(hits, pixels=asked[hits.pixels], covered=covered)
 
@@ -83,7 +98,9 @@ def _scalars(stage: Stage, hits: trace.Hits) -> Array:
     out = np.zeros((lighting.rows + len(fields.spectra), hits.pixels.size))
     visible = None
     if stage.plan.shadows:
-        visible = trace.visibility(geometry, lighting, hits.lifted, hits.normals)
+        visible = trace.visibility(
+            geometry, lighting, hits.lifted, hits.normals, hits.facets
+        )
     lighting.scalars(hits.points, hits.normals, out, visible=visible)
     if len(fields.spectra):
         out[lighting.rows :] = trace.at_corners(geometry, hits, fields.values)

@@ -96,12 +96,14 @@ def hit_points(
     points: Any,
     normals: Any,
     lifted: Any,
+    facets: Any,
 ) -> int:
     """Write where rays hit the front of triangles; return how many do.
 
     Written are ``hits`` (the ray), ``weights`` (3, m) of the triangle's corners,
-    ``points``, ``normals`` and ``lifted`` (3, m), from where shadow rays start. The
-    back of a triangle is the inside of the mesh: it is dark and left out.
+    ``points``, ``normals`` and ``lifted`` (3, m), from where shadow rays start, and
+    ``facets`` (3, m), the triangle's own normal times the root of its longest edge.
+    The back of a triangle is the inside of the mesh: it is dark and left out.
     """
     samples = cells.shape[0]
     n = 0
@@ -120,6 +122,8 @@ def hit_points(
         for i in range(3):
             weights[i, n] = w[i]
         _settle(corners, smooth, face, w, gx, gy, gz, n, points, normals, lifted)
+        root = _root_of_edge(corners, face)
+        facets[0, n], facets[1, n], facets[2, n] = gx * root, gy * root, gz * root
         n += 1
     return n
 
@@ -142,6 +146,17 @@ def _facet(corners: Any, face: Any) -> tuple[float, float, float]:
     length = np.sqrt(nx * nx + ny * ny + nz * nz)
     scale = 1 / length if length > 0 else 0.0
     return nx * scale, ny * scale, nz * scale
+
+
+@inlined
+def _root_of_edge(corners: Any, face: Any) -> float:
+    """Return the square root of a triangle's longest edge."""
+    longest = 0.0
+    for i in range(3):
+        a, b = corners[face[i]], corners[face[(i + 1) % 3]]
+        x, y, z = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+        longest = max(longest, x * x + y * y + z * z)
+    return float(np.sqrt(np.sqrt(longest)))
 
 
 @inlined
@@ -221,6 +236,7 @@ def _settle(
 def shadow_rays(
     lifted: Any,
     normals: Any,
+    facets: Any,
     light: Any,
     asked: Any,
     origins: Any,
@@ -229,7 +245,9 @@ def shadow_rays(
 ) -> int:
     """Write rays towards a light from the points that face it; return how many do.
 
-    ``asked`` are these points; rays end at the light.
+    ``asked`` are these points; rays end at the light. Where the smooth surface faces
+    the light and the triangle does not, the ray starts higher by what the triangle
+    itself hides: else it would be a black spot in a lit valley.
     """
     n = 0
     for i in range(lifted.shape[1]):
@@ -242,8 +260,11 @@ def shadow_rays(
         if normals[0, i] * dx + normals[1, i] * dy + normals[2, i] * dz <= 0:
             continue
         length = np.sqrt(dx * dx + dy * dy + dz * dz)
+        gx, gy, gz = facets[0, i], facets[1, i], facets[2, i]
+        rise = max(-(gx * dx + gy * dy + gz * dz) / length, 0.0)
         asked[n] = i
-        origins[n, 0], origins[n, 1], origins[n, 2] = x, y, z
+        origins[n, 0], origins[n, 1] = x + rise * gx, y + rise * gy
+        origins[n, 2] = z + rise * gz
         directions[n, 0] = dx / length
         directions[n, 1] = dy / length
         directions[n, 2] = dz / length
@@ -286,3 +307,70 @@ def mark_blocks(places: Any, faces: Any, block: Any, marked: Any) -> None:
             for column in range(int(max(left, 0)), int(min(right, columns - 1)) + 1):
                 left_out -= not marked[row, column]
                 marked[row, column] = True
+
+
+@compiled()
+def hemispheres(
+    points: Any, normals: Any, local: Any, origins: Any, directions: Any
+) -> None:
+    """Write rays from points (n, 3) in the directions ``local`` (k, 3) about normals.
+
+    References
+    ----------
+    .. [1] Duff et al., J. Comput. Graph. Tech. 6(1):1 (2017): right-angled axes.
+    """
+    k = local.shape[0]
+    for i in range(points.shape[0]):
+        x, y, z = normals[i, 0], normals[i, 1], normals[i, 2]
+        sign = 1.0 if z >= 0 else -1.0
+        a = -1 / (sign + z)
+        b = x * y * a
+        px, py, pz = (
+            points[i, 0] + OFFSET * x,
+            points[i, 1] + OFFSET * y,
+            points[i, 2] + OFFSET * z,
+        )
+        for j in range(k):
+            u, v, w = local[j, 0], local[j, 1], local[j, 2]
+            at = i * k + j
+            origins[at, 0], origins[at, 1], origins[at, 2] = px, py, pz
+            directions[at, 0] = u * (1 + sign * x * x * a) + v * b + w * x
+            directions[at, 1] = u * (sign * b) + v * (sign + y * y * a) + w * y
+            directions[at, 2] = u * (-sign * x) - v * y + w * z
+
+
+@compiled()
+def gather(
+    triangles: Any,
+    second: Any,
+    third: Any,
+    facets: Any,
+    directions: Any,
+    faces: Any,
+    leaving: Any,
+    out: Any,
+) -> None:
+    """Write the mean over each point's rays of the light that leaves what they meet.
+
+    ``second`` and ``third`` are the weights of a triangle's corners, ``facets`` its
+    normals (m, 3); the back of a triangle sends nothing. ``leaving`` is (n, e) of
+    vertices, ``out`` (points, e).
+    """
+    k = triangles.size // max(out.shape[0], 1)
+    for at in range(triangles.size):
+        if triangles[at] < 0:
+            continue
+        towards = (
+            facets[at, 0] * directions[at, 0]
+            + facets[at, 1] * directions[at, 1]
+            + facets[at, 2] * directions[at, 2]
+        )
+        if towards >= 0:
+            continue
+        face = faces[triangles[at]]
+        q, r = second[at] / k, third[at] / k
+        p = 1 / k - q - r
+        a, b, c = leaving[face[0]], leaving[face[1]], leaving[face[2]]
+        row = out[at // k]
+        for e in range(row.size):
+            row[e] += p * a[e] + q * b[e] + r * c[e]

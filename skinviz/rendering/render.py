@@ -20,7 +20,7 @@ from skinviz.rendering.colour import encoded
 from skinviz.rendering.darkness import why_dark
 from skinviz.rendering.files import write_picture
 from skinviz.rendering.geometry import Geometry
-from skinviz.rendering.imager import Advance, Single, pixel_colours, pixel_radiance
+from skinviz.rendering.imager import Advance, Box, Single, pixel_colours, pixel_radiance
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.stage import Stage, stage_of
 from skinviz.scene.camera import View
@@ -30,7 +30,7 @@ from skinviz.spectra.display import DisplayCounts
 
 Array = NDArray[np.float64]
 
-_ROWS = 64  # that are streamed at once, of a picture 1024 pixels wide
+_BLOCK = 2**22  # numbers that are streamed at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,27 +138,13 @@ class Rendering:
         Raises
         ------
         ArgumentError
-            If the pixel or region is not within the picture.
+            If the pixel or region is not within the picture, its spectra are more
+            than the memory holds, or ``out`` is not as it must be.
         """
-        width, _ = self.size
-        left, top, right, bottom = _box(where, self.size)
+        left, top, right, bottom = box = _box(where, self.size)
         shape = (bottom - top, right - left, self.wavelengths.size)
-        if out is None:
-            out = np.zeros(shape, dtype=np.float32)
-        elif (
-            out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous
-        ):
-            raise ArgumentError(
-                f"out must be a C-contiguous float32 array of shape {shape}; got "
-                f"{out.dtype} {out.shape}"
-            )
-        if shape[1] == width:
-            pixels = slice(top * width, bottom * width)
-            pixel_radiance(self._stage, pixels, out.reshape(-1, shape[2]), advance)
-        else:
-            for row in range(top, bottom):
-                pixels = slice(row * width + left, row * width + right)
-                pixel_radiance(self._stage, pixels, out[row - top], advance)
+        out = _target(shape) if out is None else _checked(out, shape)
+        pixel_radiance(self._stage, box, out.reshape(-1, shape[2]), advance)
         return out[0, 0] if where is not None and len(where) == 2 else out
 
     @property
@@ -215,8 +201,9 @@ class Rendering:
         next: copy what is to be kept.
         """
         width, height = self.size
-        step = max(1, _ROWS * 1024 // width)
-        block = np.zeros((step, width, self.wavelengths.size), dtype=np.float32)
+        bands = self.wavelengths.size
+        step = min(max(1, _BLOCK // (width * bands)), height)
+        block = np.zeros((step, width, bands), dtype=np.float32)
         for top in range(0, height, step):
             bottom = min(top + step, height)
             yield self.radiance(
@@ -271,7 +258,7 @@ def render(
             "target"
         )
     width, height = scene.camera.size
-    xyz, covered = pixel_colours(stage, slice(0, width * height), advance)
+    xyz, covered = pixel_colours(stage, (0, 0, width, height), advance)
     shape = (height, width)
     notes = tuple(why_dark(stage, xyz, covered))
     for note in notes:
@@ -279,14 +266,12 @@ def render(
     return Rendering(xyz.reshape(*shape, 3), covered.reshape(shape), notes, stage)
 
 
-def _box(
-    where: tuple[int, ...] | None, size: tuple[int, int]
-) -> tuple[int, int, int, int]:
+def _box(where: tuple[int, ...] | None, size: tuple[int, int]) -> Box:
     """Return left, top, right and bottom of a pixel, a region or the whole."""
     width, height = size
     if where is None:
         return 0, 0, width, height
-    if len(where) not in (2, 4):
+    if np.ndim(where) != 1 or len(where) not in (2, 4):
         raise ArgumentError(
             f"radiance takes (column, row) or (left, top, right, bottom); got {where!r}"
         )
@@ -303,3 +288,27 @@ def _box(
             f"{where!r} is not within the picture of {width} x {height} pixels"
         )
     return left, top, right, bottom
+
+
+def _target(shape: tuple[int, int, int]) -> Single:
+    """Return memory for spectra, or say how much they want."""
+    try:
+        return np.zeros(shape, dtype=np.float32)
+    except MemoryError as error:
+        rows, columns, bands = shape
+        raise ArgumentError(
+            f"the radiance of {columns} x {rows} pixels in {bands} bands takes "
+            f"{4 * rows * columns * bands / 2**30:.1f} GiB, more than there is; ask "
+            "for a region, go through rows(), or save it"
+        ) from error
+
+
+def _checked(out: Single, shape: tuple[int, int, int]) -> Single:
+    """Return an array that spectra can be written to, or say what is wrong with it."""
+    fits = isinstance(out, np.ndarray) and out.shape == shape
+    if not fits or out.dtype != np.float32 or not out.flags.c_contiguous:
+        raise ArgumentError(
+            f"out must be a C-contiguous float32 array of shape {shape}; got "
+            f"{getattr(out, 'dtype', type(out).__name__)} {np.shape(out)}"
+        )
+    return out

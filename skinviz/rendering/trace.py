@@ -33,6 +33,8 @@ class Hits:
         The point, in the geometry's coordinates, and its smooth unit normal.
     lifted : (3, m) ndarray
         Where shadow rays of the point start.
+    facets : (3, m) ndarray
+        Normal of the triangle itself, times the root of its longest edge.
     covered : (pixels,) ndarray of uint8
         How many rays of each pixel hit the mesh at all.
     """
@@ -43,6 +45,7 @@ class Hits:
     points: Array
     normals: Array
     lifted: Array
+    facets: Array
     covered: NDArray[np.uint8]
 
 
@@ -65,11 +68,11 @@ def cast(sight: Sight, cells: Array, pixels: Whole) -> Hits:
     triangles = geometry.embree.run(origins, directions, query="INTERSECT")
     m = rays.count_hits(triangles)
     hit = np.zeros(m, dtype=np.int64)
-    weights, points, normals, lifted = np.zeros((4, 3, m))
+    weights, points, normals, lifted, facets = np.zeros((5, 3, m))
     m = rays.hit_points(
         *(triangles, frame, size, cells, pixels),
         *(geometry.points, geometry.faces, geometry.normals),
-        *(hit, weights, points, normals, lifted),
+        *(hit, weights, points, normals, lifted, facets),
     )
     shape = (pixels.size, len(cells))
     covered = (triangles >= 0).reshape(shape).sum(axis=1, dtype=np.uint8)
@@ -80,12 +83,17 @@ def cast(sight: Sight, cells: Array, pixels: Whole) -> Hits:
         np.ascontiguousarray(points[:, :m]),
         np.ascontiguousarray(normals[:, :m]),
         np.ascontiguousarray(lifted[:, :m]),
+        np.ascontiguousarray(facets[:, :m]),
         covered,
     )
 
 
 def visibility(
-    geometry: Geometry, lighting: Lighting, lifted: Array, normals: Array
+    geometry: Geometry,
+    lighting: Lighting,
+    lifted: Array,
+    normals: Array,
+    facets: Array,
 ) -> NDArray[np.uint8]:
     """Return which lights (n_lights, n) nothing hides from points (3, n).
 
@@ -95,8 +103,8 @@ def visibility(
         What may stand between.
     lighting : Lighting
         The lights.
-    lifted, normals : (3, n) ndarray
-        Where shadow rays start; the normals of the points.
+    lifted, normals, facets : (3, n) ndarray
+        Where shadow rays start; the normals of the points; as in :class:`Hits`.
 
     Returns
     -------
@@ -109,7 +117,7 @@ def visibility(
     lengths, asked = np.zeros(n, dtype=np.float32), np.zeros(n, dtype=np.int64)
     for seen, light in zip(visible, lighting.lights, strict=True):
         m = rays.shadow_rays(
-            lifted, normals, light, asked, origins, directions, lengths
+            lifted, normals, facets, light, asked, origins, directions, lengths
         )
         hidden: Any = geometry.embree.run(
             origins[:m], directions[:m], query="OCCLUDED", dists=lengths[:m]
@@ -121,7 +129,8 @@ def visibility(
 def vertex_visibility(geometry: Geometry, lighting: Lighting) -> NDArray[np.uint8]:
     """Return which lights (n_lights, n) nothing hides from the vertices."""
     points, normals = geometry.components
-    return visibility(geometry, lighting, points + rays.OFFSET * normals, normals)
+    lifted = points + rays.OFFSET * normals
+    return visibility(geometry, lighting, lifted, normals, np.zeros_like(points))
 
 
 def at_corners(geometry: Geometry, hits: Hits, fields: Array) -> Array:

@@ -59,9 +59,11 @@ class Camera:
         object.__setattr__(self, "up", unit_vector(across, "camera up"))
         object.__setattr__(self, "size", _picture_size(self.size))
         if self.distance != np.inf:
-            in_range(self.distance, 1e-3, 1e9, "camera distance", "mm")
+            distance = in_range(self.distance, 1e-3, 1e9, "camera distance", "mm")
+            object.__setattr__(self, "distance", distance)
         if self.height is not None:
-            in_range(self.height, 1e-6, 1e9, "camera height", "mm")
+            height = in_range(self.height, 1e-6, 1e9, "camera height", "mm")
+            object.__setattr__(self, "height", height)
         if self.target is not None:
             target = as_numbers(self.target, "camera target")
             if target.shape != (3,) or not np.isfinite(target).all():
@@ -162,14 +164,15 @@ def _picture_size(size: object) -> tuple[int, int]:
     if not isinstance(size, list | tuple) or len(size) != 2:
         raise ArgumentError(f"camera size must be (width, height); got {size!r}")
     for pixels in size:
-        in_range(pixels, 1, LARGEST_PICTURE, "camera size", "pixels")
+        in_range(pixels, 1, 2**31, "camera size", "pixels")
         if pixels != int(pixels):
             raise ArgumentError(f"camera size must be whole pixels; got {size!r}")
     width, height = (int(pixels) for pixels in size)
-    if width * height > _MOST_PIXELS:
+    if max(width, height) > LARGEST_PICTURE or width * height > _MOST_PIXELS:
         raise ArgumentError(
-            f"camera size {width} x {height} is {width * height / 1e6:.0f} million "
-            f"pixels, which take {width * height * _BYTES / 2**30:.1f} GiB; at most "
-            f"{_MOST_PIXELS / 1e6:.0f} million: draw parts, with target and height"
+            f"camera size {width} x {height} is {width * height / 1e6:.3g} million "
+            f"pixels, which take {width * height * _BYTES / 2**30:.3g} GiB; at most "
+            f"{LARGEST_PICTURE} a side and {_MOST_PIXELS / 1e6:.0f} million: draw "
+            "parts, with target and height"
         )
     return width, height

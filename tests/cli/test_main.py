@@ -65,7 +65,7 @@ def test_wrong_usage_ends_with_2(words, capsys):
         (["render", "missing.toml", "-o", "x.png"], "missing.toml: no such file"),
         (["info", "missing.toml"], "missing.toml: no such file"),
         (["clean", "missing.ply", "-o", "x.docx"], "choose one of: .ply, .vtp"),
-        (["render", "missing.toml", "-o", "x.bmp"], "choose one of: .png"),
+        (["render", "missing.toml", "-o", "x.bmp"], "choose one of: .png, .tif"),
     ],
 )
 def test_an_error_is_one_line_and_ends_with_1(words, expected, capsys):
@@ -120,37 +120,3 @@ def test_the_file_may_say_how_the_surface_was_measured(spectrum_file, capsys):
     spectrum_file.write_text(noted, encoding="utf-8")
     assert main(["fit", str(spectrum_file), *site, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["specular"] == "included"
-
-
-def test_info_says_what_a_scene_computes_and_leaves_out(tmp_path, capsys):
-    from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
-
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        f"""
-[mesh]
-path = {json.dumps(str(shipped_mesh(TRUE_SHAPE)))}
-unit = "m"
-[skin]
-weights = [0.1, 0.008, 0.004]
-site = "back of hand"
-specular = "included"
-[view]
-angles = "30/0"
-""",
-        encoding="utf-8",
-    )
-    assert main(["info", str(scene), "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
-    assert "61 wavelengths" in facts["computed"][0]
-    assert "cast shadows" in facts["left out"]
-    out, mesh = tmp_path / "hand.png", tmp_path / "hand.vtp"
-    words = ["render", str(scene), "-o", str(out), "--mesh", str(mesh), "--size", "64"]
-    assert main(words) == 0
-    from PIL import Image
-
-    with Image.open(out) as picture:
-        assert picture.size == (64, 64)
-    assert mesh.exists()
-    assert main(["info", str(mesh)]) == 0
-    assert "boundaries" in capsys.readouterr().out

@@ -1,7 +1,7 @@
 """Scenes on which eq. (10) has a closed form, and an independent colour library."""
 
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ from meshes import plane
 from skinviz import Camera, DirectionalLight, Scene, Skin, TorranceSparrow, skin_model
 from skinviz.rendering.shade import shade, vertex_xyz
 from skinviz.rendering.stage import stage_of
+from skinviz.skin.model import Parameter
 from skinviz.spectra.display import SRGB
 
 
@@ -17,7 +18,12 @@ from skinviz.spectra.display import SRGB
 class Painted:
     """A stand-in for a skin model: grey of a reflectance that is its parameter."""
 
-    parameters: tuple[str, ...] = field(default=("reflectance",))
+    parameters: tuple[Parameter, ...] = (Parameter("reflectance", "1", 0, 1, "grey"),)
+    name: str = "painted"
+
+    @property
+    def description(self):
+        return {"model": self.name}
 
     def checked(self, values):
         return np.asarray(values, dtype=np.float64)

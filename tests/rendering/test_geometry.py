@@ -5,14 +5,20 @@ import pytest
 import pyvista as pv
 from tolerances import ROUNDING
 
-from meshes import cube, joined, moved, plane, polydata, pose, sphere, tetrahedron
+from meshes import (
+    cube,
+    faces_of,
+    joined,
+    moved,
+    plane,
+    polydata,
+    pose,
+    sphere,
+    tetrahedron,
+)
 from skinviz import Camera, Plan, geometry_of, render, shade
 from skinviz.errors import MeshError
 from skinviz.scan.topology import arrays
-
-
-def faces_of(mesh):
-    return np.asarray(mesh.regular_faces, dtype=np.int64)
 
 
 def with_points(mesh, points):

@@ -1,0 +1,193 @@
+"""``skinviz render`` and ``info``: a scene file to pictures, spectra and a mesh."""
+
+import json
+
+import numpy as np
+import pytest
+import pyvista as pv
+import spectral
+import tifffile
+from PIL import Image
+
+from meshes import sphere
+from skinviz.cli.main import main
+from skinviz.scan.formats import write_mesh
+from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
+
+SKIN = """
+[skin]
+weights = [0.1, 0.008, 0.004]
+site = "back of hand"
+specular = "included"
+"""
+BALL = """
+[mesh]
+path = "ball.ply"
+unit = "mm"
+[[lights]]
+illuminant = "D65"
+direction = [0, 0, 1]
+[view]
+direction = [0, 0, 1]
+up = [0, 1, 0]
+size = [24, 16]
+"""
+
+
+@pytest.fixture
+def ball(tmp_path):
+    """A scene of a sphere, and what its file says."""
+    write_mesh(tmp_path / "ball.ply", sphere(40, 3))
+    scene = tmp_path / "scene.toml"
+    scene.write_text(BALL + SKIN, encoding="utf-8")
+    return scene
+
+
+@pytest.fixture
+def run(capsys):
+    """Run the program: exit code, standard output, last line of standard error."""
+
+    def call(*words):
+        code = main([str(word) for word in words])
+        told = capsys.readouterr()
+        return code, told.out, (told.err.strip().splitlines() or [""])[-1]
+
+    return call
+
+
+def changed(scene, old, new):
+    text = scene.read_text("utf-8")
+    assert old in text
+    scene.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_a_scene_becomes_a_picture_its_spectra_and_its_mesh(ball, run, tmp_path):
+    out, cube, mesh = (tmp_path / f"ball.{kind}" for kind in ("png", "hdr", "vtp"))
+    words = ["render", ball, "-o", out, "--spectral", cube, "--mesh", mesh]
+    code, said, _ = run(*words)
+    assert code == 0
+    assert all(str(file) in said for file in (out, cube, mesh))
+    with Image.open(out) as picture:
+        assert picture.size == (24, 16)
+        rgb = np.asarray(picture)
+    assert (rgb[0, 0] == 46).all()
+    assert rgb[8, 12, 0] > rgb[8, 12, 2] > 46
+    radiance = spectral.open_image(str(cube))
+    assert radiance.shape == (16, 24, 61)
+    assert radiance.bands.centers == list(np.arange(400, 701, 5.0))
+    values = np.asarray(radiance.load())
+    assert (values[0, 0] == 0).all()
+    assert values[8, 12, 50] > values[8, 12, 0] > 0
+    assert pv.read(mesh).point_data["radiance"].shape == (642, 61)
+
+
+def test_sixteen_bits_and_eight_show_the_same(ball, run, tmp_path):
+    eight, sixteen = tmp_path / "a.png", tmp_path / "a.tif"
+    for out in (eight, sixteen):
+        assert run("render", ball, "-o", out, "--samples", 4)[0] == 0
+    with Image.open(eight) as picture:
+        coarse = np.asarray(picture).astype(float)
+    fine = tifffile.imread(sixteen)
+    assert fine.dtype == np.uint16
+    np.testing.assert_allclose(fine / 257, coarse, atol=0.51)
+
+
+def test_size_is_that_of_the_longer_side(ball, run, tmp_path):
+    out = tmp_path / "a.png"
+    assert run("render", ball, "-o", out, "--size", 48, "--samples", 1)[0] == 0
+    with Image.open(out) as picture:
+        assert picture.size == (48, 32)
+
+
+def test_json_counts_the_pixels(ball, run, tmp_path):
+    changed(ball, "size = [24, 16]", "size = [24, 16]\nexposure = 20.0")
+    out = tmp_path / "a.png"
+    code, said, _ = run("render", ball, "-o", out, "--json")
+    told = json.loads(said)
+    assert code == 0
+    assert told["files"] == [str(out)]
+    assert 0 < told["pixels"]["over_exposed"] <= told["pixels"]["mesh"] < 24 * 16
+    assert "over-exposed on sRGB" in told["notes"][0]
+
+
+def test_a_picture_says_how_it_was_made(ball, run, tmp_path):
+    out = tmp_path / "a.png"
+    assert run("render", ball, "-o", out, "--samples", 2)[0] == 0
+    told = json.loads(run("info", out, "--json")[1])
+    assert told["plan"]["samples"] == 2
+    assert told["scene"]["lights"][0]["illuminant"] == "D65"
+    assert told["scene"]["skin"]["parameters"]["w_m"] == 0.1
+    assert told["software"].startswith("skinviz ")
+    said = run("info", out)[1]
+    assert "two-layer" in said
+    assert "camera" in said
+
+
+def test_a_black_picture_says_why(ball, run, tmp_path):
+    changed(ball, "direction = [0, 0, 1]\n[view]", "direction = [0, 0, -1]\n[view]")
+    code, said, _ = run("render", ball, "-o", tmp_path / "a.png")
+    assert code == 0
+    assert "note: light 1 is behind everything" in said
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"D65"', '"D66"', "D65"),
+        ("direction = [0, 0, 1]\n[view]", "position = [0, 0, 0]\n[view]", "centroid"),
+        ("size = [24, 16]", "size = [0, 16]", "camera size"),
+        ("size = [24, 16]", "size = [16000, 16000]", "GiB"),
+        ("size = [24, 16]", "size = [9, 9]\ndistance = 10", "in front of the whole"),
+        (
+            "size = [24, 16]",
+            "size = [9, 9]\ndistance = 10\nheight = 5",
+            "the camera is inside the mesh",
+        ),
+    ],
+    ids=["light", "centroid", "no size", "huge", "near", "inside"],
+)
+def test_bad_scenes_are_refused_before_a_file_is_made(
+    ball, run, tmp_path, old, new, told
+):
+    changed(ball, old, new)
+    code, _, error = run("render", ball, "-o", tmp_path / "a.png")
+    assert code == 1
+    assert error.startswith("skinviz: ")
+    assert told in error
+    assert not (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["-o", "a.jpg"], ".png, .tif, .tiff"),
+        (["-o", "a.png", "--spectral", "a.png"], ".hdr, .exr"),
+        (["-o", "a.png", "--mesh", "a.ply"], ".vtp"),
+        (["-o", "a.png", "--size", "0"], "--size"),
+        (["-o", "a.png", "--samples", "3"], "1, 2, 4, 8, 16"),
+    ],
+)
+def test_bad_options_are_refused(ball, run, words, told):
+    code, _, error = run("render", ball, *words)
+    assert code == 1
+    assert told in error
+
+
+def test_info_says_what_a_scene_computes_and_leaves_out(tmp_path, run):
+    scene = tmp_path / "scene.toml"
+    mesh = json.dumps(str(shipped_mesh(TRUE_SHAPE)))
+    head = f'[mesh]\npath = {mesh}\nunit = "m"\n[view]\nangles = "30/0"\n'
+    scene.write_text(head + SKIN, encoding="utf-8")
+    facts = json.loads(run("info", scene, "--json")[1])
+    assert "61 wavelengths" in facts["computed"][0]
+    assert "cast shadows" in facts["computed"][0]
+    assert "light between fingers" in facts["left out"]
+    text = head + SKIN + '[transport]\ninterreflection = "diffuse"\n'
+    scene.write_text(text, encoding="utf-8")
+    said = run("info", scene)[1]
+    assert "one diffuse bounce" in said
+    assert "bounces more than once" in said
+
+
+def test_info_says_what_a_mesh_is(ball, run):
+    assert "boundaries" in run("info", ball.parent / "ball.ply", "--unit", "mm")[1]
