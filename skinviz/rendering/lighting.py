@@ -133,21 +133,27 @@ def lighting_of(scene: Scene, sight: Sight) -> Lighting:
     )
 
 
-def spectra_of(scene: Scene) -> Spectra:
-    """Return the spectra by which a scene's scalars are multiplied."""
+def spectra_of(scene: Scene, body: Array | None) -> Spectra:
+    """Return the spectra by which a scene's scalars are multiplied.
+
+    ``body`` is that of :func:`uniform_body`, which lights do not change.
+    """
     powers = light_spectra(scene)
     _, weights = dispersion_basis(refractive_index(scene))
-    values = scene.skin.values
     return Spectra(
         light=scene.diffuse_scale * powers,
         shine=(powers[:, None] * weights).reshape(-1, scene.wavelengths.size),
-        body=(
-            scene.skin.model.diffuse(values, scene.wavelengths)
-            if values.ndim == 1
-            else None
-        ),
+        body=body,
         colour=xyz_of_radiance(scene),
     )
+
+
+def uniform_body(scene: Scene) -> Array | None:
+    """Return what leaves uniform skin from inside (bands,), None of mapped skin."""
+    values = scene.skin.values
+    if values.ndim > 1:
+        return None
+    return scene.skin.model.diffuse(values, scene.wavelengths)
 
 
 def light_spectra(scene: Scene) -> Array:

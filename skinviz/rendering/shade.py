@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._threads import in_slices
+from skinviz._threads import in_slices, processors
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.rendering import kernels, trace
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 
-_SLICE = 2**15  # vertices that a thread shades in one go
+_SLICE = 2**16  # vertices that a thread shades in one go
 
 
 @dataclass(frozen=True)
@@ -242,11 +242,11 @@ def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
             "vertices); clean the mesh first: skinviz clean"
         )
     visible = _visible(stage)
-    in_slices(
-        lambda part: use(part, _scalars(stage, part, visible)),
-        len(stage.geometry.points),
-        _SLICE,
-    )
+    n = len(stage.geometry.points)
+    # As many slices for each thread, or the last would work alone.
+    rounds = -(-n // (_SLICE * processors()))
+    size = -(-n // (rounds * processors()))
+    in_slices(lambda part: use(part, _scalars(stage, part, visible)), n, size)
 
 
 def _visible(stage: Stage) -> NDArray[np.uint8] | None:
