@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
 from skinviz.rendering import kernels
+from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.sight import Sight
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
@@ -51,6 +52,26 @@ class Lighting:
     def rows(self) -> int:
         """How many scalars a point has."""
         return len(self.lights) * (1 + self.indices.size)
+
+    def expand(
+        self,
+        geometry: Geometry,
+        part: slice,
+        *,
+        visible: NDArray[np.uint8] | None,
+        fields: Array,
+        spectra: NDArray[np.float32],
+        out: NDArray[np.float32],
+    ) -> Array:
+        """Write some vertices' radiance (n, bands); return the scalars' peaks (k,)."""
+        visible = _ALL if visible is None else np.ascontiguousarray(visible[:, part])
+        peaks = np.zeros(len(spectra))
+        kernels.expand_vertices(
+            *(*geometry.components, part.start, self.lights, self.reaches, self.eye),
+            *(self.lobe, self.constants, self.indices, visible),
+            *(fields[part], spectra, out[part], peaks),
+        )
+        return peaks
 
     def scalars(
         self,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from skinviz._threads import in_slices, processors
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
-from skinviz.rendering import kernels, trace
+from skinviz.rendering import trace
 from skinviz.rendering.colour import display_matrix
 from skinviz.rendering.expansion import as_single, expand_mapped, require_single
 from skinviz.rendering.geometry import Geometry
@@ -125,12 +125,25 @@ def vertex_radiance(stage: Stage, out: Single | None = None) -> Single:
         out = np.zeros((len(stage.geometry.points), len(spectra.colour)), np.float32)
     matrix = as_single(spectra.products(stage.fields.spectra))
 
-    def use(part: slice, scalars: Array) -> None:
-        if spectra.body is not None:
-            require_single(scalars, matrix)
-            kernels.expand_each(scalars, matrix, out[part])
-        else:
-            _expand_mapped(stage, part, scalars, out[part])
+    if spectra.body is None:
+        _each_slice(
+            stage,
+            lambda part, visible: _expand_mapped(
+                stage, part, _scalars(stage, part, visible), out[part]
+            ),
+        )
+        return out
+
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        peaks = stage.lighting.expand(
+            stage.geometry,
+            part,
+            visible=visible,
+            fields=stage.fields.values,
+            spectra=matrix,
+            out=out,
+        )
+        require_single(peaks[:, None], matrix)
 
     _each_slice(stage, use)
     return out
@@ -142,7 +155,8 @@ def vertex_xyz(stage: Stage) -> Array:
     xyz = np.zeros((len(stage.geometry.points), 3))
     matrix = spectra.products(stage.fields.spectra) @ spectra.colour
 
-    def use(part: slice, scalars: Array) -> None:
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        scalars = _scalars(stage, part, visible)
         if spectra.body is not None:
             xyz[part] = scalars.T @ matrix
             return
@@ -170,7 +184,8 @@ def vertex_rgb(stage: Stage) -> tuple[NDArray[np.uint8], DisplayCounts]:
     matrix = matrix @ display_matrix(scene).T
     seen, told = stage.sight.facing, []
 
-    def use(part: slice, scalars: Array) -> None:
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        scalars = _scalars(stage, part, visible)
         rgb[part], counts = display.encode8(scalars.T @ matrix, seen[part])
         told.append(counts)
 
@@ -226,15 +241,18 @@ def vertex_gloss(scene: Scene) -> Array:
     n_lights, rows = len(stage.lighting.lights), stage.lighting.rows
     gloss = np.zeros(len(stage.geometry.points))
 
-    def use(part: slice, scalars: Array) -> None:
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        scalars = _scalars(stage, part, visible)
         gloss[part] = scalars[n_lights:rows].max(axis=0)
 
     _each_slice(stage, use)
     return gloss
 
 
-def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
-    """Call ``use`` on slices of the vertices and their scalars (rows + e, m)."""
+def _each_slice(
+    stage: Stage, use: Callable[[slice, NDArray[np.uint8] | None], None]
+) -> None:
+    """Call ``use`` on slices of the vertices, with the lights that each one sees."""
     lost = stage.geometry.lost
     if lost.size:
         raise MeshError(
@@ -246,7 +264,7 @@ def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
     # As many slices for each thread, or the last would work alone.
     rounds = -(-n // (_SLICE * processors()))
     size = -(-n // (rounds * processors()))
-    in_slices(lambda part: use(part, _scalars(stage, part, visible)), n, size)
+    in_slices(lambda part: use(part, visible), n, size)
 
 
 def _visible(stage: Stage) -> NDArray[np.uint8] | None:
