@@ -22,7 +22,7 @@ class MeshError(SkinvizError):
 
 
 class FitError(SkinvizError):
-    """A fit did not converge, raised only by ``SkinFit.raise_for_status``."""
+    """A fit did not converge, raised only by ``raise_for_status``."""
 
 
 class SystemLibraryError(SkinvizError):

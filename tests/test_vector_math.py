@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from oracles.agreement import assert_oracle
 from tolerances import EPS
 
-from skinviz._vector_math import angle, decay
+from skinviz._vector_math import angle, decay, loss_log
 
 rng = np.random.default_rng(5)
 
@@ -23,6 +23,12 @@ def _angles(sine, cosine, out):
 def _decays(y, out):
     for i in range(y.size):
         out[0, i], out[1, i] = decay(y[i])
+
+
+@numba.njit(error_model="numpy")
+def _losses(loss, out):
+    for i in range(out.size):
+        out[i] = loss_log(loss[i])
 
 
 def angles(sine, cosine):
@@ -86,3 +92,29 @@ def test_decay_equals_the_oracle():
 @pytest.mark.parametrize("y", [709.0, 1e300, np.inf])
 def test_decay_beyond_the_smallest_float_is_0(y):
     assert_array_equal(decays([y]), [[0], [1]])
+
+
+def losses(loss):
+    loss = np.array(loss, dtype=float)
+    out = np.zeros(loss.size)
+    _losses(loss, out)
+    return out
+
+
+def test_loss_log_equals_the_oracle():
+    loss = np.concatenate(
+        [
+            rng.uniform(0, 1, 3000),
+            10.0 ** rng.uniform(-300, 0, 2000),
+            1 - 2.0 ** -rng.uniform(0, 53, 1000),
+            [0.5, 1 - np.sqrt(0.5), 0.25, 1 - 2.0**-53],
+        ]
+    )
+    with mp.workdps(40):
+        expected = [float(-mp.log1p(-mpf(float(x)))) for x in loss]
+    assert_oracle(losses(loss), expected, rtol=3 * EPS)
+
+
+def test_no_loss_is_0_and_all_is_much():
+    assert_array_equal(losses([0.0]), [0])
+    assert (losses([1.0, 2.0, np.inf]) > 36).all()

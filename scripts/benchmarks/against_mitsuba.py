@@ -7,7 +7,7 @@ of it and half of rough facets (Beckmann, Smith), which both programs state exac
 samples hit the hand; Mitsuba's scale is that of its own picture of a perfect diffuser.
 
 Prints markdown tables; ``--out`` keeps pictures. Run in the development environment
-with the extra ``benchmarks`` and, for Mitsuba's fast variant, a libLLVM that works
+and, for Mitsuba's fast variant, a libLLVM that works
 (Debian: libllvm19): ``python scripts/benchmarks/against_mitsuba.py --out compared``;
 ``--quick`` for a first look in a minute or two.
 """

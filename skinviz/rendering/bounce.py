@@ -58,10 +58,11 @@ def fields_of(
         return Fields(gathered, scene.diffuse_scale * spectra.light * spectra.body)
     body = scene.skin.model.diffuse(scene.skin.values, scene.wavelengths)
     gathered = gather(geometry, body * (leaving @ spectra.light), plan.bounce_rays)
-    # Each vertex has a spectrum of its own, of which a few suffice to mix them all.
-    left, size, right = np.linalg.svd(gathered, full_matrices=False)
-    rank = int((size > _RANK * size[0]).sum())
-    return Fields(left[:, :rank] * size[:rank], scene.diffuse_scale * right[:rank])
+    # Each vertex has a spectrum of its own, of which a few suffice to mix them all:
+    # the right singular vectors, from the small matrix that has them too.
+    squares, vectors = np.linalg.eigh(gathered.T @ gathered)
+    few = vectors[:, squares > _RANK**2 * squares[-1]]
+    return Fields(gathered @ few, scene.diffuse_scale * few.T)
 
 
 def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
@@ -83,6 +84,7 @@ def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
     """
     gathered = np.zeros_like(leaving)
     local = _cosine_directions(n_rays)
+    tree = geometry.embree  # built before there are threads
 
     def work(part: slice) -> None:
         m = (part.stop - part.start) * n_rays
@@ -91,7 +93,7 @@ def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
             *(geometry.points[part], geometry.normals[part], local),
             *(origins, directions),
         )
-        met = geometry.embree.run(origins, directions, query="INTERSECT", output=True)
+        met = tree.run(origins, directions, query="INTERSECT", output=True)
         rays.gather(
             *(met["primID"], met["u"], met["v"], met["Ng"], directions),
             *(geometry.faces, leaving, gathered[part]),

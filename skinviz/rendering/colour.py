@@ -25,8 +25,10 @@ def display_matrix(scene: Scene) -> Array:
     ArgumentError
         If the scene asks for adaptation to a light that eyes cannot adapt to.
     """
-    white = light_spectra(scene)[0] @ xyz_of_radiance(scene) / scene.exposure
     display = scene.display
+    if scene.white == "none":
+        return display.matrix
+    white = light_spectra(scene)[0] @ xyz_of_radiance(scene) / scene.exposure
     return display.matrix @ adaptation(scene.white, white, display.white)
 
 

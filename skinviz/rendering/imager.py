@@ -71,7 +71,8 @@ def _count(box: Box) -> int:
 
 
 def _step(stage: Stage) -> int:
-    """Return how many pixels a thread works on in one go."""
+    """Return how many pixels a thread works on in one go, and make what all use."""
+    _ = stage.geometry.embree, stage.sight.blocks  # once, not in each thread
     rays = _RAYS
     if stage.spectra.body is None:
         rays = min(rays, _NUMBERS // stage.scene.wavelengths.size)
@@ -119,8 +120,11 @@ def _expand(
 def _expand_mapped(stage: Stage, hits: trace.Hits, out: NDArray[np.floating]) -> None:
     """Write the radiance of pixels whose points each have their own pigments."""
     scene = stage.scene
-    values = trace.at_corners(stage.geometry, hits, scene.skin.values)
-    body = scene.skin.model.diffuse(values.T, scene.wavelengths)
+    model = scene.skin.model
+    low, high = np.array([(p.lower, p.upper) for p in model.parameters]).T
+    values = trace.at_corners(stage.geometry, hits, scene.skin.values).T
+    values = np.clip(values, low, high)  # which means go beyond by rounding
+    body = model.diffuse(values, scene.wavelengths)
     scalars = _scalars(stage, hits)
     samples = stage.plan.samples
     expand_mapped(stage, scalars, body, rows=hits.pixels, samples=samples, out=out)

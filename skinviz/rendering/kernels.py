@@ -24,6 +24,7 @@ BLOCK = 256
 """Points that are worked on together, so that all of theirs stays near."""
 
 _VECTOR, _MATRIX = types.float64[::1], types.float64[:, ::1]
+_CHUNK = 1024  # vertices whose scalars are kept at once
 _LEAST = 1e-300  # added to squares whose root divides: 0 stays 0, never 0/0
 
 
@@ -154,15 +155,84 @@ def scalars(
                     shine[i] = spread[i] * fall[i] * fresnel(VH[i], index)
 
 
-@compiled()
-def expand_each(values: Any, spectra: Any, out: Any) -> None:
-    """Write ``values`` (k, n) times ``spectra`` (k, bands) to ``out`` (n, bands)."""
-    k = spectra.shape[0]
-    own = np.zeros(k, dtype=spectra.dtype)
-    for row in range(out.shape[0]):
-        for i in range(k):
-            own[i] = values[i, row]
-        _products(own, spectra, out[row])
+@inlined
+def _products(mean: Any, spectra: Any, row: Any) -> None:
+    """Write the sum of scalars times spectra, two at a time to save stores."""
+    k = mean.size
+    odd = k % 2
+    if odd:
+        for j in range(row.size):
+            row[j] = mean[0] * spectra[0, j]
+    else:
+        for j in range(row.size):
+            row[j] = mean[0] * spectra[0, j] + mean[1] * spectra[1, j]
+    for i in range(2 - odd, k, 2):
+        if mean[i] != 0 or mean[i + 1] != 0:
+            for j in range(row.size):
+                row[j] += mean[i] * spectra[i, j] + mean[i + 1] * spectra[i + 1, j]
+
+
+@compiled(
+    types.void(
+        *(_MATRIX, _MATRIX, types.int64, _MATRIX, _VECTOR, _VECTOR),
+        *(LOBE, _VECTOR, _VECTOR, types.uint8[:, ::1], _MATRIX),
+        *(types.float32[:, ::1], types.float32[:, ::1], _VECTOR),
+    )
+)
+def expand_vertices(
+    points: Any,
+    normals: Any,
+    start: Any,
+    lights: Any,
+    reaches: Any,
+    eye: Any,
+    lobe: Any,
+    constants: Any,
+    indices: Any,
+    visible: Any,
+    fields: Any,
+    spectra: Any,
+    out: Any,
+    peaks: Any,
+) -> None:
+    """Write what :func:`scalars` says of points, and their fields, times spectra.
+
+    ``fields`` is (n, e), ``spectra`` (k, bands), ``out`` (n, bands); ``peaks`` (k,) are
+    made the largest of each scalar. Few points at a time: while the memory takes the
+    spectra of some, the scalars of the next are computed.
+    """
+    n, k = out.shape[0], spectra.shape[0]
+    rows = k - fields.shape[1]
+    own = np.zeros(k, dtype=np.float32)
+    values = np.zeros((k, _CHUNK))
+    for first in range(0, n, _CHUNK):
+        m = min(_CHUNK, n - first)
+        if m < _CHUNK:
+            values = np.zeros((k, m))
+        seen = visible[:, first : first + m].copy()
+        # One by one: numba warns of tuples that begin with a function.
+        scalars(
+            points,
+            normals,
+            start + first,
+            lights,
+            reaches,
+            eye,
+            lobe,
+            constants,
+            indices,
+            seen,
+            values,
+        )
+        for j in range(rows, k):
+            for i in range(m):
+                values[j, i] = fields[first + i, j - rows]
+        for j in range(k):
+            peaks[j] = max(peaks[j], values[j].max())
+        for i in range(m):
+            for j in range(k):
+                own[j] = values[j, i]
+            _products(own, spectra, out[first + i])
 
 
 @compiled()
@@ -187,23 +257,6 @@ def expand(pixels: Any, samples: Any, values: Any, spectra: Any, out: Any) -> No
                 mean[i] += values[i, at] * share
             at += 1
         _products(mean, spectra, out[row])
-
-
-@inlined
-def _products(mean: Any, spectra: Any, row: Any) -> None:
-    """Write the sum of scalars times spectra, two at a time to save stores."""
-    k = mean.size
-    odd = k % 2
-    if odd:
-        for j in range(row.size):
-            row[j] = mean[0] * spectra[0, j]
-    else:
-        for j in range(row.size):
-            row[j] = mean[0] * spectra[0, j] + mean[1] * spectra[1, j]
-    for i in range(2 - odd, k, 2):
-        if mean[i] != 0 or mean[i + 1] != 0:
-            for j in range(row.size):
-                row[j] += mean[i] * spectra[i, j] + mean[i + 1] * spectra[i + 1, j]
 
 
 @compiled()
@@ -232,7 +285,8 @@ def expand_mapped(
             _products(lit[:, at], light, sums[1])
             _products(gloss[:, at], shine, sums[2])
             for j in range(bands):
-                sums[0, j] += body[at, j] * sums[1, j] + sums[2, j]
+                # Fields of few spectra may be below 0 by their rounding.
+                sums[0, j] += body[at, j] * max(sums[1, j], 0.0) + sums[2, j]
             at += 1
         for j in range(bands):
             out[row, j] = sums[0, j] / samples

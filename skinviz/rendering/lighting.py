@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
 from skinviz.rendering import kernels
+from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.sight import Sight
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
@@ -51,6 +52,26 @@ class Lighting:
     def rows(self) -> int:
         """How many scalars a point has."""
         return len(self.lights) * (1 + self.indices.size)
+
+    def expand(
+        self,
+        geometry: Geometry,
+        part: slice,
+        *,
+        visible: NDArray[np.uint8] | None,
+        fields: Array,
+        spectra: NDArray[np.float32],
+        out: NDArray[np.float32],
+    ) -> Array:
+        """Write some vertices' radiance (n, bands); return the scalars' peaks (k,)."""
+        visible = _ALL if visible is None else np.ascontiguousarray(visible[:, part])
+        peaks = np.zeros(len(spectra))
+        kernels.expand_vertices(
+            *(*geometry.components, part.start, self.lights, self.reaches, self.eye),
+            *(self.lobe, self.constants, self.indices, visible),
+            *(fields[part], spectra, out[part], peaks),
+        )
+        return peaks
 
     def scalars(
         self,
@@ -133,21 +154,27 @@ def lighting_of(scene: Scene, sight: Sight) -> Lighting:
     )
 
 
-def spectra_of(scene: Scene) -> Spectra:
-    """Return the spectra by which a scene's scalars are multiplied."""
+def spectra_of(scene: Scene, body: Array | None) -> Spectra:
+    """Return the spectra by which a scene's scalars are multiplied.
+
+    ``body`` is that of :func:`uniform_body`, which lights do not change.
+    """
     powers = light_spectra(scene)
     _, weights = dispersion_basis(refractive_index(scene))
-    values = scene.skin.values
     return Spectra(
         light=scene.diffuse_scale * powers,
         shine=(powers[:, None] * weights).reshape(-1, scene.wavelengths.size),
-        body=(
-            scene.skin.model.diffuse(values, scene.wavelengths)
-            if values.ndim == 1
-            else None
-        ),
+        body=body,
         colour=xyz_of_radiance(scene),
     )
+
+
+def uniform_body(scene: Scene) -> Array | None:
+    """Return what leaves uniform skin from inside (bands,), None of mapped skin."""
+    values = scene.skin.values
+    if values.ndim > 1:
+        return None
+    return scene.skin.model.diffuse(values, scene.wavelengths)
 
 
 def light_spectra(scene: Scene) -> Array:

@@ -368,8 +368,8 @@ def gather(
         if towards >= 0:
             continue
         face = faces[triangles[at]]
-        q, r = second[at] / k, third[at] / k
-        p = 1 / k - q - r
+        q, r = max(second[at] / k, 0.0), max(third[at] / k, 0.0)
+        p = max(1 / k - q - r, 0.0)
         a, b, c = leaving[face[0]], leaving[face[1]], leaving[face[2]]
         row = out[at // k]
         for e in range(row.size):

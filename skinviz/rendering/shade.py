@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._threads import in_slices
+from skinviz._threads import in_slices, processors
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
-from skinviz.rendering import kernels, trace
+from skinviz.rendering import trace
 from skinviz.rendering.colour import display_matrix
 from skinviz.rendering.expansion import as_single, expand_mapped, require_single
 from skinviz.rendering.geometry import Geometry
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 
-_SLICE = 2**15  # vertices that a thread shades in one go
+_SLICE = 2**16  # vertices that a thread shades in one go
 
 
 @dataclass(frozen=True)
@@ -125,12 +125,25 @@ def vertex_radiance(stage: Stage, out: Single | None = None) -> Single:
         out = np.zeros((len(stage.geometry.points), len(spectra.colour)), np.float32)
     matrix = as_single(spectra.products(stage.fields.spectra))
 
-    def use(part: slice, scalars: Array) -> None:
-        if spectra.body is not None:
-            require_single(scalars, matrix)
-            kernels.expand_each(scalars, matrix, out[part])
-        else:
-            _expand_mapped(stage, part, scalars, out[part])
+    if spectra.body is None:
+        _each_slice(
+            stage,
+            lambda part, visible: _expand_mapped(
+                stage, part, _scalars(stage, part, visible), out[part]
+            ),
+        )
+        return out
+
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        peaks = stage.lighting.expand(
+            stage.geometry,
+            part,
+            visible=visible,
+            fields=stage.fields.values,
+            spectra=matrix,
+            out=out,
+        )
+        require_single(peaks[:, None], matrix)
 
     _each_slice(stage, use)
     return out
@@ -142,7 +155,8 @@ def vertex_xyz(stage: Stage) -> Array:
     xyz = np.zeros((len(stage.geometry.points), 3))
     matrix = spectra.products(stage.fields.spectra) @ spectra.colour
 
-    def use(part: slice, scalars: Array) -> None:
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        scalars = _scalars(stage, part, visible)
         if spectra.body is not None:
             xyz[part] = scalars.T @ matrix
             return
@@ -170,7 +184,8 @@ def vertex_rgb(stage: Stage) -> tuple[NDArray[np.uint8], DisplayCounts]:
     matrix = matrix @ display_matrix(scene).T
     seen, told = stage.sight.facing, []
 
-    def use(part: slice, scalars: Array) -> None:
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        scalars = _scalars(stage, part, visible)
         rgb[part], counts = display.encode8(scalars.T @ matrix, seen[part])
         told.append(counts)
 
@@ -211,7 +226,7 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
     lit = scalars[:n_lights] @ spectra.light + scalars[rows:] @ stage.fields.spectra
     return VertexSpectrum(
         scene.wavelengths,
-        lit * body,
+        np.maximum(lit, 0) * body,
         scalars[n_lights:rows] @ spectra.shine,
         light_spectra(scene)[0],
     )
@@ -226,15 +241,18 @@ def vertex_gloss(scene: Scene) -> Array:
     n_lights, rows = len(stage.lighting.lights), stage.lighting.rows
     gloss = np.zeros(len(stage.geometry.points))
 
-    def use(part: slice, scalars: Array) -> None:
+    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
+        scalars = _scalars(stage, part, visible)
         gloss[part] = scalars[n_lights:rows].max(axis=0)
 
     _each_slice(stage, use)
     return gloss
 
 
-def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
-    """Call ``use`` on slices of the vertices and their scalars (rows + e, m)."""
+def _each_slice(
+    stage: Stage, use: Callable[[slice, NDArray[np.uint8] | None], None]
+) -> None:
+    """Call ``use`` on slices of the vertices, with the lights that each one sees."""
     lost = stage.geometry.lost
     if lost.size:
         raise MeshError(
@@ -242,11 +260,11 @@ def _each_slice(stage: Stage, use: Callable[[slice, Array], None]) -> None:
             "vertices); clean the mesh first: skinviz clean"
         )
     visible = _visible(stage)
-    in_slices(
-        lambda part: use(part, _scalars(stage, part, visible)),
-        len(stage.geometry.points),
-        _SLICE,
-    )
+    n = len(stage.geometry.points)
+    # As many slices for each thread, or the last would work alone.
+    rounds = -(-n // (_SLICE * processors()))
+    size = -(-n // (rounds * processors()))
+    in_slices(lambda part: use(part, visible), n, size)
 
 
 def _visible(stage: Stage) -> NDArray[np.uint8] | None:

@@ -5,13 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from skinviz.rendering.bounce import Fields, fields_of
 from skinviz.rendering.geometry import Geometry, geometry_of
-from skinviz.rendering.lighting import Lighting, Spectra, lighting_of, spectra_of
+from skinviz.rendering.lighting import (
+    Lighting,
+    Spectra,
+    lighting_of,
+    spectra_of,
+    uniform_body,
+)
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.sight import Sight
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +60,7 @@ class Stage:
     def relit(self, lights: Iterable[Light]) -> Stage:
         """Return the stage under other lights: what a light that moves costs."""
         scene = self.scene.replace(lights=tuple(lights))
-        return _lit(scene, self.plan, self.sight)
+        return _lit(scene, self.plan, self.sight, self.spectra.body)
 
 
 def stage_of(
@@ -81,12 +92,12 @@ def stage_of(
     """
     geometry = geometry or geometry_of(scene.mesh)
     sight = Sight(geometry, scene.camera.view(geometry.in_mm))
-    return _lit(scene, plan or Plan(), sight)
+    return _lit(scene, plan or Plan(), sight, uniform_body(scene))
 
 
-def _lit(scene: Scene, plan: Plan, sight: Sight) -> Stage:
+def _lit(scene: Scene, plan: Plan, sight: Sight, body: Array | None) -> Stage:
     """Return the stage with what its lights and skin make of it."""
     lighting = lighting_of(scene, sight)
-    spectra = spectra_of(scene)
+    spectra = spectra_of(scene, body)
     fields = fields_of(scene, sight.geometry, lighting, spectra, plan)
     return Stage(scene, plan, sight, lighting, spectra, fields)

@@ -141,6 +141,6 @@ def _starts(problem: _Problem) -> list[Array]:
     table = costs.reshape(len(axes[0]), -1)
     best = table.argmin(axis=1)
     along = np.pad(table.min(axis=1), 1, constant_values=np.inf)
-    valleys = np.flatnonzero((along[1:-1] <= along[:-2]) & (along[1:-1] <= along[2:]))
+    valleys = np.flatnonzero((along[1:-1] < along[:-2]) & (along[1:-1] <= along[2:]))
     deepest = valleys[np.argsort(along[1:-1][valleys], kind="stable")][:_DESCENTS]
     return list(grid.reshape(*table.shape, -1)[deepest, best[deepest]])

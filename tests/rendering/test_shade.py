@@ -2,17 +2,20 @@
 
 import numpy as np
 import pytest
+from surface_kinds import SURFACES
 from tolerances import ROUNDING
 
 from meshes import cube, moved, plane, pose, sphere, tetrahedron, toy_hand
 from skinviz import Camera, DirectionalLight, Skin, TorranceSparrow
 from skinviz.errors import ArgumentError, MeshError, SkinvizError
+from skinviz.rendering.lighting import light_spectra
 from skinviz.rendering.shade import shade, vertex_spectrum
 from skinviz.scan.topology import arrays, polydata, vertex_normals
 from skinviz.scene.scene import Scene
 from skinviz.spectra.colorimetry import colour_matching_functions
 from skinviz.spectra.illuminants import illuminants
 from skinviz.spectra.wavelengths import PAPER_WAVELENGTHS
+from skinviz.surface import dispersion
 
 FLOAT32 = 2.0**-23
 """Radiance is kept as float32; a product of two rounds twice."""
@@ -248,6 +251,24 @@ def test_gloss_has_the_colour_of_the_light(matt):
     ratio = spectrum.specular / spectrum.white
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
     assert ratio[0] > 0
+
+
+@pytest.mark.parametrize("kind", SURFACES)
+@pytest.mark.parametrize("tissue", ["epidermis", "dermis"])
+def test_gloss_is_that_of_the_surface_at_each_wavelength(matt, kind, tissue):
+    surface = SURFACES[kind](0.3, n=dispersion(tissue))
+    lights = (DirectionalLight([1, 0, 2], "A"), DirectionalLight([-2, 1, 1], "D65"))
+    camera = Camera([0.4, -0.8, 0.7], [0, 1, 0])
+    scene = matt.replace(surface=surface, lights=lights, camera=camera)
+    normal, n = np.array([0.0, 0.0, 1.0]), dispersion(tissue).index(scene.wavelengths)
+    expected = sum(
+        surface.evaluate(normal, light.direction, scene.camera.direction, n) * power
+        for light, power in zip(lights, light_spectra(scene), strict=True)
+    )
+    found = vertex_spectrum(scene, 0).specular
+    # Fresnel's law at a few indices stands for all bands to 1e-9.
+    np.testing.assert_allclose(found, expected, rtol=2e-9)
+    assert kind == "lambert" or found.min() > 0
 
 
 def test_without_gloss_or_index_nothing_is_specular(matt):

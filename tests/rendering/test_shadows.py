@@ -128,6 +128,21 @@ def test_near_light_falls_with_the_square_of_its_distance(white, distance):
     np.testing.assert_allclose(got, expected, rtol=1e-6)
 
 
+def test_near_light_has_its_strength_at_the_centroid_of_the_surface(white):
+    # Of plates of 400 and 100 mm², 50 mm apart, the centroid is 10 mm from the larger.
+    mesh = joined(plane(2, 20.0), plate(10.0, (50, 0, 0)))
+    position = np.array([10.0, 0, 30])
+    scene = white.replace(
+        mesh=mesh,
+        lights=(PointLight(position),),
+        camera=Camera(Z, UP, (5, 1), target=[0, 0, 0], height=1.0),
+    )
+    picture = render(scene, ONE)
+    squared = ((position - places_in_mm(picture.view, ONE.cells[0])) ** 2).sum(axis=-1)
+    expected = 30.0**2 / squared * 30 / np.sqrt(squared)
+    np.testing.assert_allclose(picture.xyz[..., 1], expected, rtol=1e-6)
+
+
 @pytest.mark.parametrize(("distance", "rtol"), [(1e6, 3e-4), (1e9, 3e-7)])
 def test_near_light_from_far_is_far_light(white, distance, rtol):
     direction = np.array([0.6, 0, 0.8])

@@ -9,6 +9,8 @@ from skinviz import Camera, DirectionalLight, Plan, PointLight
 from skinviz.rendering import trace
 from skinviz.rendering.stage import stage_of
 
+Z, UP = [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]
+
 CLEAR = 1e-5
 """Crossings nearer to an edge may be of either triangle: rays are float32."""
 
@@ -163,6 +165,23 @@ def test_hits_are_on_their_triangles_with_unit_normals(white, mesh, camera):
     clear = length[:, 0] > 1e-3
     np.testing.assert_allclose(
         hits.normals.T[clear], (smooth / length)[clear], rtol=0, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("distance", [np.inf, 300.0])
+@pytest.mark.parametrize("height", [1e-3, 1e-6])
+def test_hits_beside_their_triangle_are_taken_to_its_edge(white, height, distance):
+    # So near to an edge that float32 places rays on the wrong side of it.
+    mesh = moved(plane(9), pose((0.3, 0.2, 0.1), (7, 3, -5)))
+    corner = np.asarray(mesh.points)[40]
+    camera = Camera(Z, UP, (32, 32), distance, target=corner, height=height)
+    stage = stage_of(white.replace(mesh=mesh, camera=camera), Plan(1))
+    hits, _ = cast(stage)
+    assert hits.pixels.size == 32 * 32
+    assert (hits.weights >= 0).all()
+    assert (hits.weights.min(axis=0) == 0).any()
+    np.testing.assert_allclose(
+        in_mm(stage, hits.points), np.tile(corner, (32 * 32, 1)), atol=height
     )
 
 

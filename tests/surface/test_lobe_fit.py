@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 from numpy.testing import assert_allclose, assert_array_equal
 from oracles import torrance_sparrow as oracle
 from scipy.optimize import least_squares
 from scipy.stats import chi2, kstest, norm
+from scipy.stats import t as student
 from strategies import log_uniform
 
 from skinviz import ArgumentError, FitError, TorranceSparrow
@@ -40,7 +41,7 @@ def noisy(rng, sigma=0.02, truth=CURVE):
     view=st.floats(0.2, 1.3),
     masking=maskings,
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @pytest.mark.parametrize("free", [("beta",), ("beta", "gamma"), ("gamma", "n"), ALL])
 def test_truth_comes_back(free, beta, gamma, n, view, masking):
     surface = TorranceSparrow.from_beta(beta, gamma, n, masking)
@@ -119,9 +120,9 @@ def test_several_viewing_angles_fit_together():
 # --- the minimum ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(8))
 def test_no_other_descent_ends_lower(seed):
-    # SciPy's other method, without the elimination of β, from twenty starts.
+    # SciPy's other method, without the elimination of β, from a dozen starts.
     rng = np.random.default_rng(seed)
     truth = TorranceSparrow.from_beta(1.0, rng.uniform(0.05, 1.2), rng.uniform(1.1, 3))
     clean = in_plane(truth, ANGLES)
@@ -136,7 +137,7 @@ def test_no_other_descent_ends_lower(seed):
     )
     low, high = curve.bounds
     costs = []
-    for _ in range(20):
+    for _ in range(12):
         start = [10 ** rng.uniform(-2, 3), rng.uniform(0.02, 1.5), rng.uniform(1.02, 3)]
         other = least_squares(
             lambda x: (curve(x) - data) / data.max(),
@@ -183,42 +184,37 @@ def test_slopes_equal_the_oracles(values):
 # --- uncertainty ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("given", [True, False], ids=["sigma given", "from residuals"])
-def test_pulls_are_normal(given):
+@pytest.fixture(scope="module", params=[True, False], ids=["sigma given", "not given"])
+def many(request):
+    """Return fits of one truth under many draws of noise, and whether σ was given."""
     rng, sigma = np.random.default_rng(5), 0.005
-    pulls = []
-    for _ in range(300):
-        data = noisy(rng, sigma)
-        fit = fit_lobe(ANGLES, data, uncertainty=sigma if given else None)
-        pulls.append((fit.values - [1.2, 0.3]) / np.sqrt(np.diag(fit.covariance)))
-    pulls = np.array(pulls)
-    if given:
-        for column in pulls.T:
-            assert kstest(column, norm.cdf).pvalue > 0.005
-    # With noise from 16 degrees of freedom the spread is Student's.
-    expected = 1.0 if given else np.sqrt(16 / 14)
-    assert_allclose(pulls.std(axis=0), expected, atol=0.13)
-    assert_allclose(pulls.mean(axis=0), 0, atol=0.2)
+    given = sigma if request.param else None
+    return [fit_lobe(ANGLES, noisy(rng, sigma), uncertainty=given) for _ in range(200)]
 
 
-def test_intervals_hold_the_truth_95_times_in_100():
-    rng = np.random.default_rng(6)
+def test_pulls_are_normal_or_students(many):
+    pulls = [(f.values - [1.2, 0.3]) / np.sqrt(np.diag(f.covariance)) for f in many]
+    expected = norm if many[0].uncertainty is not None else student(16)
+    for column in np.transpose(pulls):
+        assert kstest(column, expected.cdf).pvalue > 0.005
+        assert_allclose(column.std(), expected.std(), rtol=0, atol=0.15)
+
+
+def test_intervals_hold_the_truth_95_times_in_100(many):
     inside = []
-    for _ in range(300):
-        fit = fit_lobe(ANGLES, noisy(rng, 0.005))
+    for fit in many:
         low, high = fit.interval.T
         inside.append((low <= [1.2, 0.3]) & (high >= [1.2, 0.3]))
     share = np.mean(inside, axis=0)
-    assert ((share > 0.91) & (share < 0.985)).all()
+    assert ((share > 0.9) & (share < 0.99)).all()
 
 
-def test_chi_square_is_that_of_its_freedom():
-    rng = np.random.default_rng(7)
-    drawn = [
-        fit_lobe(ANGLES, noisy(rng, 0.01), uncertainty=0.01).chi_square
-        for _ in range(200)
-    ]
-    assert kstest(drawn, chi2(16).cdf).pvalue > 0.005
+def test_chi_square_is_that_of_its_freedom(many):
+    drawn = [fit.chi_square for fit in many]
+    if many[0].uncertainty is None:
+        assert np.isnan(drawn).all()
+    else:
+        assert kstest(drawn, chi2(16).cdf).pvalue > 0.005
 
 
 def test_beta_and_n_are_nearly_the_same_to_the_data():
@@ -319,7 +315,8 @@ def test_a_beta_beyond_its_bound_stays_there():
     view=st.sampled_from([0.0, 0.3, VIEW, 1.5, np.pi / 2 - 1e-9]),
     noise=st.sampled_from([0.0, 0.1, 10.0]),
 )
-@settings(max_examples=60, deadline=None)
+@example(seed=1005, free=ALL, masking="none", view=1.5, noise=10.0)  # slow to end
+@settings(max_examples=50, deadline=None)
 def test_every_result_is_a_number_within_bounds(seed, free, masking, view, noise):
     rng = np.random.default_rng(seed)
     data = rng.normal(0, noise, ANGLES.size) + np.abs(rng.normal(size=ANGLES.size))
