@@ -69,7 +69,7 @@ class Lighting:
         kernels.expand_vertices(
             *(*geometry.components, part.start, self.lights, self.reaches, self.eye),
             *(self.lobe, self.constants, self.indices, visible),
-            *(fields[part], spectra, out[part], peaks),
+            *(np.ascontiguousarray(fields[part]), spectra, out[part], peaks),
         )
         return peaks
 
