@@ -132,7 +132,7 @@ def _told(picture: Rendering) -> dict[str, Any]:
         n = getattr(counts, name)
         if n:
             notes.append(
-                f"{n} pixels, {n / seen:.1%} of the mesh's, are "
+                f"{n} pixels, {100 * n / seen:.2g} % of the mesh's, are "
                 f"{name.replace('_', '-')} on {picture.scene.display.name}"
             )
     return {
