@@ -17,8 +17,25 @@ Array = NDArray[np.float64]
 _FARTHEST = 1e9  # mm, beyond which a light is better said to be far
 
 
+class _Emitter:
+    """What far and near lights have in common: a spectrum and a strength."""
+
+    illuminant: str | Illuminant
+    strength: float
+
+    @cached_property
+    def spectrum(self) -> Illuminant:
+        """Its relative spectral power."""
+        return as_illuminant(self.illuminant)
+
+    def _require_light(self) -> None:
+        """Refuse unknown names and darkness."""
+        as_illuminant(self.illuminant)
+        in_range(self.strength, 1e-30, 1e30, "light strength")
+
+
 @dataclass(frozen=True, eq=False)
-class DirectionalLight:
+class DirectionalLight(_Emitter):
     """A far light: parallel rays, the same irradiance everywhere.
 
     Attributes
@@ -41,13 +58,7 @@ class DirectionalLight:
         object.__setattr__(
             self, "direction", unit_vector(self.direction, "light direction")
         )
-        as_illuminant(self.illuminant)
-        in_range(self.strength, 1e-30, 1e30, "light strength")
-
-    @cached_property
-    def spectrum(self) -> Illuminant:
-        """Its relative spectral power."""
-        return as_illuminant(self.illuminant)
+        self._require_light()
 
     @property
     def place(self) -> str:
@@ -61,7 +72,7 @@ class DirectionalLight:
 
 
 @dataclass(frozen=True, eq=False)
-class PointLight:
+class PointLight(_Emitter):
     """A near, small light: irradiance falls with the square of the distance.
 
     Attributes
@@ -89,13 +100,7 @@ class PointLight:
                 f"got {self.position!r}; give a farther light's direction"
             )
         object.__setattr__(self, "position", position)
-        as_illuminant(self.illuminant)
-        in_range(self.strength, 1e-30, 1e30, "light strength")
-
-    @cached_property
-    def spectrum(self) -> Illuminant:
-        """Its relative spectral power."""
-        return as_illuminant(self.illuminant)
+        self._require_light()
 
     @property
     def place(self) -> str:
