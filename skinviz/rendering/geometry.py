@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 _ROUNDING = 8 * np.finfo(np.float64).eps
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Geometry:
     """Triangles with smooth normals, in coordinates that float32 rays can bear.
 
@@ -51,6 +51,10 @@ class Geometry:
     centre: Array
     scale: float
     centroid: Array
+
+    def __repr__(self) -> str:
+        """Say how large it is."""
+        return f"Geometry({len(self.points)} vertices, {len(self.faces)} triangles)"
 
     @cached_property
     def embree(self) -> Any:

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 _BLOCK = 2**22  # numbers that are streamed at once
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rendering:
     """A picture of a scene: its colours, and the spectrum of any pixel on demand.
 
@@ -55,6 +55,14 @@ class Rendering:
     covered: NDArray[np.uint8]
     notes: tuple[str, ...]
     _stage: Stage
+
+    def __repr__(self) -> str:
+        """Say what it is a picture of; its arrays would fill pages."""
+        width, height = self.size
+        return (
+            f"Rendering({width} x {height} pixels, {self.wavelengths.size} bands, "
+            f"{self.plan.samples} samples a pixel)"
+        )
 
     @property
     def scene(self) -> Scene:

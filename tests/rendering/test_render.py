@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from meshes import joined, sphere, wave
-from skinviz import Camera, DirectionalLight, Plan, PointLight, Skin, render
+from skinviz import (
+    Camera,
+    DirectionalLight,
+    Plan,
+    PointLight,
+    Skin,
+    geometry_of,
+    render,
+)
 from skinviz.errors import ArgumentError
 from skinviz.spectra.colorimetry import colour_matching_functions
 from skinviz.spectra.wavelengths import band_widths
@@ -61,6 +69,17 @@ def test_pixels_regions_and_rows_are_parts_of_the_whole_bit_for_bit(picture):
         np.testing.assert_array_equal(part, whole[top:bottom, left:right])
     rows = [block.copy() for block in picture.rows()]
     np.testing.assert_array_equal(np.concatenate(rows), whole)
+
+
+def test_a_picture_and_its_mesh_are_told_in_a_line(picture):
+    width, height = picture.size
+    told = repr(picture)
+    assert told.startswith(f"Rendering({width} x {height} pixels, ")
+    assert f"{picture.wavelengths.size} bands" in told
+    mesh = picture.scene.mesh
+    assert repr(geometry_of(mesh)) == (
+        f"Geometry({mesh.n_points} vertices, {mesh.n_cells} triangles)"
+    )
 
 
 def test_asking_again_gives_the_same(picture):
