@@ -45,6 +45,15 @@ def processors() -> int:
     return os.cpu_count() or 1
 
 
+def even_size(n: int, most: int) -> int:
+    """Return a size of slices of ``n`` rows, at most ``most``, that keeps all busy.
+
+    Every processor gets as many slices, or the last would be worked on alone.
+    """
+    rounds = -(-n // (most * processors()))
+    return max(1, -(-n // max(1, rounds * processors())))
+
+
 def _report(
     results: Iterable[object],
     slices: list[slice],

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._threads import in_slices
+from skinviz._threads import even_size, in_slices
 from skinviz.rendering import kernels, trace
 from skinviz.rendering.expansion import as_single, expand_mapped, require_single
 from skinviz.rendering.stage import Stage
@@ -43,7 +43,7 @@ def pixel_colours(
         _expand_mapped(stage, hits, radiance)
         xyz[part] = radiance @ spectra.colour
 
-    in_slices(work, n, _step(stage), advance)
+    in_slices(work, n, _step(stage, n), advance)
     return xyz, covered
 
 
@@ -61,7 +61,8 @@ def pixel_radiance(
         else:
             _expand_mapped(stage, hits, out[part])
 
-    in_slices(work, _count(box), _step(stage), advance)
+    n = _count(box)
+    in_slices(work, n, _step(stage, n), advance)
 
 
 def _count(box: Box) -> int:
@@ -70,13 +71,13 @@ def _count(box: Box) -> int:
     return (right - left) * (bottom - top)
 
 
-def _step(stage: Stage) -> int:
-    """Return how many pixels a thread works on in one go, and make what all use."""
+def _step(stage: Stage, n: int) -> int:
+    """Return how many of ``n`` pixels a thread takes at once; make what all use."""
     _ = stage.geometry.embree, stage.sight.blocks  # once, not in each thread
     rays = _RAYS
     if stage.spectra.body is None:
         rays = min(rays, _NUMBERS // stage.scene.wavelengths.size)
-    return max(1, rays // stage.plan.samples)
+    return even_size(n, max(1, rays // stage.plan.samples))
 
 
 def _cast(stage: Stage, box: Box, part: slice) -> trace.Hits:

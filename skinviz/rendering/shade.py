@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._threads import in_slices, processors
+from skinviz._threads import even_size, in_slices
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.rendering import trace
@@ -261,10 +261,7 @@ def _each_slice(
         )
     visible = _visible(stage)
     n = len(stage.geometry.points)
-    # As many slices for each thread, or the last would work alone.
-    rounds = -(-n // (_SLICE * processors()))
-    size = -(-n // (rounds * processors()))
-    in_slices(lambda part: use(part, visible), n, size)
+    in_slices(lambda part: use(part, visible), n, even_size(n, _SLICE))
 
 
 def _visible(stage: Stage) -> NDArray[np.uint8] | None:
