@@ -63,9 +63,11 @@ def _skin(skin: Skin) -> dict[str, Any]:
 def _light(light: Light) -> dict[str, Any]:
     """Return one light."""
     *at, near = light.homogeneous.tolist()
+    lamp = light.spectrum
     return {
         "position_mm" if near else "direction": at,
-        "illuminant": light.spectrum.name,
+        "illuminant": lamp.name,
+        **({"lines_nm_power": lamp.lines.tolist()} if len(lamp.lines) else {}),
         "strength": float(light.strength),
     }
 

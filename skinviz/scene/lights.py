@@ -43,8 +43,8 @@ class DirectionalLight(_Emitter):
     direction : (3,) array
         From the mesh towards the light; scaled to length 1.
     illuminant : str or Illuminant
-        Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", or
-        measured.
+        Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", a line
+        as "632.8 nm", or a lamp.
     strength : float
         Irradiance, in units of the first light's. [1], > 0
     """
@@ -80,8 +80,8 @@ class PointLight(_Emitter):
     position : (3,) array
         In the mesh's coordinates. [mm]
     illuminant : str or Illuminant
-        Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", or
-        measured.
+        Its spectrum: the name of a CIE illuminant, a temperature as "3200 K", a line
+        as "632.8 nm", or a lamp.
     strength : float
         Irradiance of a plate that faces the light at the mesh's centroid, in units
         of the first light's. [1], > 0

@@ -16,11 +16,10 @@ from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
 from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
-from skinviz.scene.lights import DirectionalLight, Light, PointLight
 from skinviz.scene.scene import Scene
+from skinviz.scene.scene_lights import light_of
 from skinviz.scene.scene_skin import skin_of
 from skinviz.spectra.display_file import read_display
-from skinviz.spectra.illuminants import Illuminant, black_body, read_illuminant
 from skinviz.surface.models import surface_model, surface_parameters
 from skinviz.surface.surface import Surface
 
@@ -28,6 +27,7 @@ _TEXT, _NUMBER, _NUMBERS, _COUNT = "text", "a number", "a list of numbers", "a c
 _MOST_BANDS = 2000
 _SURFACE = "torrance-sparrow"  # the model of a [surface] that names none
 _WORD_OR_NUMBER, _WORDS = "text or a number", "a list of texts"
+_LINES = "a list of [nm, power] pairs"
 
 _TABLES = {
     "mesh": {"path": _TEXT, "unit": _TEXT},
@@ -50,6 +50,7 @@ _TABLES = {
         "illuminant": _TEXT,
         "temperature": _NUMBER,
         "spectrum": _TEXT,
+        "lines": _LINES,
         "direction": _NUMBERS,
         "angle": _NUMBER,
         "position": _NUMBERS,
@@ -130,7 +131,7 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
         skin=skin_of(content.get("skin", {}), folder),
         surface=_surface(content.get("surface", {})),
         lights=tuple(
-            _light(light, frame, light_angle, folder) for light in lights_table
+            light_of(light, frame, light_angle, folder) for light in lights_table
         ),
         camera=_camera(view, frame, view_angle),
         **_settings(content),
@@ -208,7 +209,9 @@ def _require_kind(table: str, known: dict[str, str], key: str, value: Any) -> No
         _TEXT: isinstance(value, str),
         _NUMBER: number,
         _COUNT: number and isinstance(value, int) and value >= 0,
-        _NUMBERS: isinstance(value, list) and all(map(_is_number, value)),
+        _NUMBERS: _are_numbers(value),
+        _LINES: isinstance(value, list)
+        and all(_are_numbers(pair) and len(pair) == 2 for pair in value),
         _WORD_OR_NUMBER: isinstance(value, str) or number,
         _WORDS: isinstance(value, list) and all(isinstance(x, str) for x in value),
     }
@@ -221,48 +224,15 @@ def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and math.isfinite(value)
 
 
+def _are_numbers(value: Any) -> bool:
+    """Return whether a TOML value is a list of finite numbers."""
+    return isinstance(value, list) and all(map(_is_number, value))
+
+
 def _surface(table: dict[str, Any]) -> Surface:
     """Return the surface that a model's name and keys describe."""
     own = {key: table[key] for key in table if key != "model"}
     return surface_model(table.get("model", _SURFACE), **own)
-
-
-def _light(
-    table: dict[str, Any], frame: HandFrame | None, angle: float, folder: Path
-) -> Light:
-    """Return one light: near, or far in a direction that is given or an angle's."""
-    places = table.keys() & {"direction", "angle", "position"}
-    if len(places) > 1:
-        raise DataError(
-            "[[lights]] takes one of direction, angle and position; got "
-            f"{', '.join(sorted(places))}"
-        )
-    illuminant, strength = _illuminant(table, folder), table.get("strength", 1.0)
-    if "position" in table:
-        return PointLight(table["position"], illuminant, strength)
-    if "direction" in table:
-        return DirectionalLight(table["direction"], illuminant, strength)
-    assert frame is not None  # noqa: S101 - made whenever a place is missing
-    degrees = float(table.get("angle", 0.0))
-    if not -90 <= degrees <= 90:
-        raise DataError(f"angle in [[lights]] must be -90 to 90; got {degrees:g}")
-    own = np.deg2rad(degrees) if "angle" in table else angle
-    return DirectionalLight(frame.direction(own), illuminant, strength)
-
-
-def _illuminant(table: dict[str, Any], folder: Path) -> str | Illuminant:
-    """Return a light's spectrum: a name, a black body, or a measured one."""
-    sources = table.keys() & {"illuminant", "temperature", "spectrum"}
-    if len(sources) > 1:
-        raise DataError(
-            "[[lights]] takes one of illuminant, temperature and spectrum; got "
-            f"{', '.join(sorted(sources))}"
-        )
-    if "temperature" in table:
-        return black_body(table["temperature"])
-    if "spectrum" in table:
-        return read_illuminant(folder / table["spectrum"])
-    return str(table.get("illuminant", "D65"))
 
 
 def _camera(table: dict[str, Any], frame: HandFrame | None, angle: float) -> Camera:

@@ -1,4 +1,4 @@
-"""Light by its relative spectral power: CIE tables, black bodies, measured lamps.
+"""Light by its relative spectral power: CIE tables, black bodies, lamps, lines.
 
 What does not belong here: directions and strengths, which a scene's lights have, and
 the formats of files (:mod:`skinviz.spectra.formats`).
@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher, get_close_matches
 from functools import cache
 from importlib.resources import files
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinviz._validate import as_spectra, as_wavelengths, in_range
 from skinviz.errors import ArgumentError, DataError
 from skinviz.spectra.lamp_file import read_lamp
+from skinviz.spectra.lines import as_lines, deposit, lines_in_words, within
 from skinviz.spectra.wavelengths import resample
 
 Array = NDArray[np.float64]
@@ -33,37 +34,49 @@ _BLACK_BODY = re.compile(
     r"(?:black[\s-]?body\s+(?:at\s+)?)?(\d+(?:\.\d*)?(?:e\d+)?)\s*K",
     re.IGNORECASE | re.ASCII,
 )
+_LINE = re.compile(
+    r"(?:line\s+(?:at\s+)?)?(\d+(?:\.\d*)?(?:e[+-]?\d+)?)\s*nm",
+    re.IGNORECASE | re.ASCII,
+)
 _FLUORESCENT = re.compile(r"f(\d+)")
 
 
 @dataclass(frozen=True, eq=False)
 class Illuminant:
-    """The relative spectral power of a light.
+    """The relative spectral power of a light: a table, spectral lines, or both.
 
     Attributes
     ----------
     name : str
         As messages and files have it.
     wavelengths : (n,) ndarray
-        Strictly ascending. [nm]
+        Strictly ascending; none if there are only lines. [nm]
     power : (n,) ndarray
-        At the wavelengths, ≥ 0 and somewhere above, in any unit per nm.
+        At the wavelengths, ≥ 0, in any unit per nm.
+    lines : (k, 2) ndarray, optional
+        Wavelength [nm], strictly ascending, and power, ≥ 0, in the table's unit
+        times nm, of each line. None if not said.
 
     Raises
     ------
     ArgumentError
-        If the wavelengths do not ascend, or the power is negative, not finite or
-        zero everywhere.
+        If wavelengths do not ascend, or power is negative, not finite or zero
+        everywhere.
     """
 
     name: str
     wavelengths: Array
     power: Array
+    lines: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def __post_init__(self) -> None:
         """Keep copies that nobody can change; refuse what is no light."""
-        wavelengths = as_wavelengths(self.wavelengths).copy()
+        lines = as_lines(self.lines, f"the lines of illuminant {self.name!r}").copy()
         what = f"the power of illuminant {self.name!r}"
+        if np.size(self.wavelengths) or not len(lines):
+            wavelengths = as_wavelengths(self.wavelengths).copy()
+        else:
+            wavelengths = np.zeros(0)
         power = as_spectra(self.power, wavelengths.size, what).copy()
         if power.ndim != 1:
             raise ArgumentError(f"{what} must be one spectrum; got {power.shape}")
@@ -73,22 +86,38 @@ class Illuminant:
                 f"{what} must be ≥ 0; it is {power[dark[0]]:g} at "
                 f"{wavelengths[dark[0]]:g} nm; set noise below zero to 0"
             )
-        if not power.any():
+        if not (power.any() or lines[:, 1].any()):
             raise ArgumentError(f"{what} is 0 everywhere, which is no light")
-        for field, values in (("wavelengths", wavelengths), ("power", power)):
+        own = {"wavelengths": wavelengths, "power": power, "lines": lines}
+        for name, values in own.items():
             values.setflags(write=False)
-            object.__setattr__(self, field, values)
+            object.__setattr__(self, name, values)
 
     def spd(self, wavelengths: ArrayLike) -> Array:
-        """Return the power at wavelengths (n,) [nm], linear between the table's.
+        """Return the power per nm of bands at wavelengths (n,) [nm].
+
+        The table is linear between its wavelengths. Each line is shared by its two
+        neighbouring bands, so that Σ P Δλ holds its power and its wavelength
+        (:func:`skinviz.spectra.lines.deposit`); lines outside the bands are left
+        out, and a single band holds only a line at its own wavelength.
 
         Raises
         ------
         ArgumentError
-            If a wavelength is outside the table: nothing is extrapolated.
+            If a wavelength is outside the table: nothing is extrapolated. If there
+            are only lines and none with power is within the bands.
         """
         new = as_wavelengths(wavelengths)
-        return resample(self.power, self.wavelengths, new, f"illuminant {self.name}")
+        if self.wavelengths.size:
+            what = f"illuminant {self.name}"
+            table = resample(self.power, self.wavelengths, new, what)
+            return table + deposit(self.lines, new) if len(self.lines) else table
+        if not self.lines[within(self.lines, new[0], new[-1]), 1].any():
+            raise ArgumentError(
+                f"illuminant {self.name} has only lines, and none within {new[0]:g} "
+                f"to {new[-1]:g} nm; choose bands around a line"
+            )
+        return deposit(self.lines, new)
 
 
 @cache
@@ -140,7 +169,7 @@ def cie_illuminant(name: str) -> Illuminant:
     hint = f"; did you mean {nearest[0]!r}?" if near else ""
     raise ArgumentError(
         f"unknown illuminant {str(name)[:40]!r}; choose one of: {', '.join(nearest)}; "
-        f"or a black body, as '3200 K'{hint}"
+        f"or a black body, as '3200 K'; or a line, as '632.8 nm'{hint}"
     )
 
 
@@ -196,6 +225,39 @@ def black_body(temperature: float) -> Illuminant:
     return Illuminant(f"black body {kelvin!r} K".replace(".0 K", " K"), nm, power)
 
 
+def line_lamp(lines: ArrayLike, name: str | None = None) -> Illuminant:
+    """Return a lamp of spectral lines: a laser, or a discharge lamp at low pressure.
+
+    Parameters
+    ----------
+    lines : (k, 2) array_like
+        Wavelength [nm], strictly ascending, and relative power, ≥ 0, of each line.
+    name : str, optional
+        The lines' wavelengths if not said.
+
+    Raises
+    ------
+    ArgumentError
+        If the lines are no pairs, do not ascend, or have no power.
+
+    Examples
+    --------
+    >>> mercury = line_lamp([[435.8, 0.3], [546.1, 1.0]])
+    >>> mercury.name
+    '435.8 nm + 546.1 nm'
+    """
+    pairs = as_lines(lines, "a lamp's lines")
+    return Illuminant(name or lines_in_words(pairs), np.zeros(0), np.zeros(0), pairs)
+
+
+def with_lines(lamp: Illuminant, lines: ArrayLike) -> Illuminant:
+    """Return a lamp that gives also these lines (k, 2): [nm], its unit times nm."""
+    more = as_lines(lines, "the lines beside a lamp")
+    every = np.concatenate([lamp.lines, more])
+    every = every[np.argsort(every[:, 0], kind="stable")]
+    return replace(lamp, name=f"{lamp.name} + {lines_in_words(more)}", lines=every)
+
+
 def read_illuminant(path: str | os.PathLike[str]) -> Illuminant:
     """Read the measured spectrum of a lamp.
 
@@ -230,7 +292,8 @@ def as_illuminant(light: str | Illuminant) -> Illuminant:
     Parameters
     ----------
     light : str or Illuminant
-        A CIE name, or a black body: ``"3200 K"``, ``"black body 3200 K"``.
+        A CIE name, a black body: ``"3200 K"``, ``"black body 3200 K"``, or a line:
+        ``"632.8 nm"``.
 
     Raises
     ------
@@ -239,8 +302,12 @@ def as_illuminant(light: str | Illuminant) -> Illuminant:
     """
     if isinstance(light, Illuminant):
         return light
-    hot = _BLACK_BODY.fullmatch(str(light).strip())
-    return black_body(float(hot[1])) if hot else cie_illuminant(light)
+    text = str(light).strip()
+    if hot := _BLACK_BODY.fullmatch(text):
+        return black_body(float(hot[1]))
+    if line := _LINE.fullmatch(text):
+        return line_lamp([[float(line[1]), 1.0]])
+    return cie_illuminant(light)
 
 
 def illuminant_spd(light: str | Illuminant, wavelengths: ArrayLike) -> Array:
@@ -256,7 +323,7 @@ def illuminant_spd(light: str | Illuminant, wavelengths: ArrayLike) -> Array:
     Returns
     -------
     spd : (n,) ndarray of float64
-        Relative power, linear between the illuminant's own wavelengths.
+        Relative power, as by :meth:`Illuminant.spd`.
 
     Raises
     ------

@@ -9,6 +9,7 @@ from meshes import plane, toy_hand
 from skinviz import fit_skin, hand_frame, load_archive, read_scene, skin_model
 from skinviz.errors import DataError, MeshError, SkinvizError
 from skinviz.scan.formats import write_mesh
+from skinviz.scene.describe import describe
 from skinviz.scene.scene_skin import skin_from_fit_file
 from skinviz.skin.report import fit_to_dict
 from skinviz.surface import (
@@ -169,6 +170,37 @@ def test_a_lights_own_angle_comes_before_the_shorthand(folder):
     np.testing.assert_allclose(shared, frame.direction(np.deg2rad(20)), atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("said", "name", "lines"),
+    [
+        ('illuminant = "632.8 nm"', "632.8 nm", [[632.8, 1]]),
+        (
+            "lines = [[435.8, 0.3], [546.1, 1]]",
+            "435.8 nm + 546.1 nm",
+            [[435.8, 0.3], [546.1, 1]],
+        ),
+        ('illuminant = "F2"\nlines = [[546.1, 5]]', "FL2 + 546.1 nm", [[546.1, 5]]),
+        (
+            "temperature = 3000\nlines = [[500, 5]]",
+            "black body 3000 K + 500 nm",
+            [[500, 5]],
+        ),
+    ],
+)
+def test_lights_may_have_lines(folder, said, name, lines):
+    lit = MESH.replace("hand", "plane") + SKIN + LIGHT + said + VECTORS
+    scene = written(folder, lit)
+    assert scene.lights[0].spectrum.name == name
+    np.testing.assert_array_equal(scene.lights[0].spectrum.lines, lines)
+    told = describe(scene)["lights"][0]
+    assert (told["illuminant"], told["lines_nm_power"]) == (name, lines)
+
+
+def test_a_light_without_lines_tells_none(folder):
+    scene = written(folder, MESH.replace("hand", "plane") + SKIN + LIGHT + VECTORS)
+    assert "lines_nm_power" not in describe(scene)["lights"][0]
+
+
 def test_vectors_need_no_hand(folder):
     scene = written(folder, MESH.replace("hand", "plane") + SKIN + LIGHT + VECTORS)
     np.testing.assert_array_equal(scene.camera.direction, [0, 0, 1])
@@ -270,6 +302,11 @@ WRONG = {
     "no light": ("lights = []\n" + MESH + SKIN, "at least one light"),
     "illuminant": (MESH + SKIN + LIGHT + "illuminant = 'D66'", "did you mean 'D65'"),
     "strength": (MESH + SKIN + LIGHT + "strength = 0", "light strength"),
+    "no lines": (MESH + SKIN + LIGHT + "lines = []", "must be pairs"),
+    "three of a line": (MESH + SKIN + LIGHT + "lines = [[1, 2, 3]]", "list of .nm, p"),
+    "line is no pair": (MESH + SKIN + LIGHT + "lines = [500, 1]", "list of .nm, power"),
+    "lines of text": (MESH + SKIN + LIGHT + "lines = [['a', 1]]", "list of .nm, power"),
+    "dark line": (MESH + SKIN + LIGHT + "lines = [[500, 0]]", "which is no light"),
     "zero direction": (
         MESH + SKIN + "[[lights]]\ndirection = [0, 0, 0]",
         "light direction",

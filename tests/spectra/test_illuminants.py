@@ -198,13 +198,18 @@ def test_other_texts_are_no_black_body(text):
 
 
 @pytest.mark.parametrize(
-    "light", [*illuminants(), "3200 K", "2855.54 K", "100 K", "1000000 K", "123456.7 K"]
+    "light",
+    [
+        *(*illuminants(), "3200 K", "2855.54 K", "100 K", "1000000 K", "123456.7 K"),
+        *("632.8 nm", "500 nm", "1e-5 nm"),
+    ],
 )
 def test_an_illuminants_name_is_one_that_gives_it_again(light):
     first = as_illuminant(light)
     again = as_illuminant(first.name)
     assert again.name == first.name
     assert_array_equal(again.power, first.power)
+    assert_array_equal(again.lines, first.lines)
 
 
 def test_an_illuminant_stays_as_it_is():
