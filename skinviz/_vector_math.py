@@ -132,6 +132,20 @@ def angle(sine: float, cosine: float) -> float:
 
 
 @inlined
+def logarithm(x: float) -> float:
+    """Return ln x of a normal float > 0, to some 1e-16 of 1 or of itself."""
+    m, e = _mantissa(x), _exponent(x) - (_WHOLE + 1023)
+    half = m > _SQRT2
+    m = 0.5 * m if half else m
+    e = e + 1 if half else e
+    t = (m - 1) / (m + 1)
+    t2 = t * t
+    t4 = t2 * t2
+    series = (L0 + t2 * L1) + t4 * ((L2 + t2 * L3) + t4 * ((L4 + t2 * L5) + t4 * L6))
+    return e * _LN2_HIGH + (2 * (t + t * t2 * series) + e * _LN2_LOW)
+
+
+@inlined
 def loss_log(loss: float) -> float:
     """Return −ln(1 − loss) ≥ 0 to the last digit or two, also of small losses.
 
