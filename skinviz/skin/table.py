@@ -106,7 +106,9 @@ class ReflectanceTable:
             found = channels[rows]
             outside.append(interpolate(given[rows], bounds, axes, strides, flat, found))
 
-        in_slices(fill, len(given), even_size(len(given), _CHUNK))
+        # A few are not worth the start of threads.
+        size = even_size(len(given), _CHUNK) if len(given) > _CHUNK else _CHUNK
+        in_slices(fill, len(given), size)
         if sum(outside):
             self._refuse(given, bounds)
         return channels
