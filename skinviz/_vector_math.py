@@ -133,7 +133,7 @@ def angle(sine: float, cosine: float) -> float:
 
 @inlined
 def logarithm(x: float) -> float:
-    """Return ln x of a normal float > 0, to some 1e-16 of 1 or of itself."""
+    """Return ln x of a normal float > 0 to the last digit or two, also near 1."""
     m, e = _mantissa(x), _exponent(x) - (_WHOLE + 1023)
     half = m > _SQRT2
     m = 0.5 * m if half else m

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from oracles.agreement import assert_oracle
 from tolerances import EPS
 
-from skinviz._vector_math import angle, decay, loss_log
+from skinviz._vector_math import angle, decay, logarithm, loss_log
 
 rng = np.random.default_rng(5)
 
@@ -29,6 +29,12 @@ def _decays(y, out):
 def _losses(loss, out):
     for i in range(out.size):
         out[i] = loss_log(loss[i])
+
+
+@numba.njit(error_model="numpy")
+def _logarithms(x, out):
+    for i in range(out.size):
+        out[i] = logarithm(x[i])
 
 
 def angles(sine, cosine):
@@ -118,3 +124,21 @@ def test_loss_log_equals_the_oracle():
 def test_no_loss_is_0_and_all_is_much():
     assert_array_equal(losses([0.0]), [0])
     assert (losses([1.0, 2.0, np.inf]) > 36).all()
+
+
+def test_logarithm_equals_the_oracle():
+    x = np.concatenate(
+        [
+            10.0 ** rng.uniform(-307, 308, 3000),
+            rng.uniform(0.4, 3, 3000),
+            1 + 10.0 ** rng.uniform(-15, -1, 1000),
+            1 - 10.0 ** rng.uniform(-15, -1, 1000),
+            2.0 ** np.arange(-1022, 1024),
+            np.sqrt(2) * (1 + EPS * np.arange(-4, 5)),
+        ]
+    )
+    out = np.full(x.size, np.nan)
+    _logarithms(x, out)
+    with mp.workdps(40):
+        expected = [float(mp.log(mpf(float(v)))) for v in x]
+    assert_allclose(out, expected, rtol=4 * EPS)

@@ -19,17 +19,17 @@ from skinviz._validate import as_numbers, as_spectra
 from skinviz.errors import ArgumentError
 from skinviz.skin.model import SkinModel
 from skinviz.skin.table_axes import (
-    TAPS,
     Axis,
     at_most,
-    fitting_axis,
+    fitting_axes,
     grown,
     refinement,
 )
+from skinviz.skin.table_kernels import TAPS, interpolate
 
 Array = NDArray[np.float64]
 
-SAFETY = 1.5
+SAFETY = 2.0
 """Factor from the largest error that was found between nodes to the one stated."""
 
 _CHECKS = 2048  # places between nodes where the error is measured
@@ -88,15 +88,13 @@ class ReflectanceTable:
             If a value is not finite or outside the box by more than rounding, or
             a shape or dtype does not fit.
         """
-        from skinviz.skin.table_kernels import interpolate
-
         given = as_numbers(values, "values")
         if given.ndim != 2 or given.shape[1] != self.low.size:
             raise ArgumentError(
                 f"values must be (m, {self.low.size}), a parameter a column; got "
                 f"shape {given.shape}"
             )
-        given = np.require(given, requirements="CW")
+        given = np.require(given, requirements=["C", "W"])
         channels = self._room(given.shape[0], out)
         axes, strides = self._layout()
         slack = _SLACK * np.maximum(np.abs(self.low), np.abs(self.high))
@@ -108,7 +106,9 @@ class ReflectanceTable:
             found = channels[rows]
             outside.append(interpolate(given[rows], bounds, axes, strides, flat, found))
 
-        in_slices(fill, len(given), even_size(len(given), _CHUNK))
+        # A few are not worth the start of threads.
+        size = even_size(len(given), _CHUNK) if len(given) > _CHUNK else _CHUNK
+        in_slices(fill, len(given), size)
         if sum(outside):
             self._refuse(given, bounds)
         return channels
@@ -130,7 +130,8 @@ class ReflectanceTable:
     def _layout(self) -> tuple[Array, NDArray[np.int64]]:
         """Return rows of axes and strides for compiled code, which wants two axes."""
         idle = 2 - len(self.axes)
-        rows = [[0.0] * 6] * idle
+        # An idle axis has its one value at a node, and no stride.
+        rows = [[0.0, 1.0, 1.0, 0.0, float(TAPS), 0.0]] * idle
         for a in self.axes:
             scale = a.cells / np.log1p(a.rate)
             rows.append([a.low, a.high, a.rate, scale, a.cells, a.column])
@@ -210,7 +211,7 @@ def reflectance_table(
             f"parameter that varies; got {most}"
         )
     share = wanted / max(active.size, 1)
-    axes = tuple(fitting_axis(int(k), channels, *box, share) for k in active)
+    axes = fitting_axes(active.tolist(), channels, *box, share)
     return _refined(axes, channels, box, wanted, most, kind)
 
 
@@ -245,20 +246,20 @@ def _filled(
     dtype: np.dtype[Any],
 ) -> ReflectanceTable:
     """Return a table on given axes, with its error."""
-    nodes = [axis.nodes for axis in axes]
-    values = np.tile(box[0], (*(n.size for n in nodes), 1))
+    values = np.tile(box[0], (*(axis.cells + 1 for axis in axes), 1))
     for k, axis in enumerate(axes):
         along = [1] * len(axes)
         along[k] = -1
-        values[..., axis.column] = nodes[k].reshape(along)
-    exact = channels(values.reshape(-1, box[0].size))
+        values[..., axis.column] = axis.nodes.reshape(along)
+    nodes, places = values.reshape(-1, box[0].size), _between(axes, box[0])
+    # Both in one call: each takes a while to begin.
+    exact, expected = np.split(channels(np.concatenate([nodes, places])), [len(nodes)])
     largest = np.abs(exact).max(axis=0)
     if not (largest <= np.finfo(dtype).max / SAFETY).all():
         raise ArgumentError(f"the channels overflow {dtype}; scale the weights down")
     entries = exact.astype(dtype).reshape(*values.shape[:-1], -1)
     table = ReflectanceTable(*box, axes, entries, np.zeros(largest.size))
-    places = _between(axes, box[0])
-    apart = np.abs(table.at(places) - channels(places)).max(axis=0)
+    apart = np.abs(table.at(places) - expected).max(axis=0)
     rounding = 8 * np.finfo(dtype).eps * largest
     return replace(table, error=SAFETY * apart + rounding)
 
@@ -266,14 +267,15 @@ def _filled(
 def _between(axes: tuple[Axis, ...], low: Array) -> Array:
     """Return places (n, p): half of them centres of cells, half of edges and faces.
 
-    Along each axis every cell is taken as often as any other.
+    The others are on every second axis in its first cell, where light falls fastest.
     """
     rng = np.random.default_rng(0)
     values = np.tile(low, (_CHECKS if axes else 1, 1))
     for axis in axes:
-        cell = rng.permutation(np.arange(_CHECKS) % axis.cells)
+        cell = rng.integers(0, axis.cells, _CHECKS)
         inside = rng.integers(0, 2, _CHECKS)
         inside[: _CHECKS // 2] = 1
+        cell[_CHECKS // 2 :] *= rng.integers(0, 2, _CHECKS - _CHECKS // 2)
         values[:, axis.column] = axis.places(cell + inside / 2)
     return values
 

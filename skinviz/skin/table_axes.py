@@ -7,7 +7,8 @@ the rate fits; how well it fits is measured on lines through the box.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,26 +65,45 @@ class Axis:
         return self.places(np.arange(self.cells + 1.0))
 
 
-def fitting_axis(
-    column: int, channels: Channels, low: Array, high: Array, tolerance: Array
-) -> Axis:
-    """Return the axis of fewest nodes that keeps (c,) tolerances on its own lines."""
-    best, need = 1.0, np.inf
+@dataclass(frozen=True)
+class _Trial:
+    """Rates to be tried for one parameter, each with that many cells."""
+
+    column: int
+    rates: Array
+    cells: int
+
+
+def fitting_axes(
+    columns: Sequence[int], channels: Channels, low: Array, high: Array, share: Array
+) -> tuple[Axis, ...]:
+    """Return axes of as few nodes as keep errors (c,) on the lines that are tried."""
+    found: dict[int, tuple[float, float, int]] = {}
+    left = list(columns)
     for cells, powers in _SWEEPS:
-        rates = 10.0**powers
-        best, need = _best(column, channels, (low, high), rates, cells, tolerance)
-        if need <= _ENOUGH * cells:
+        trials = [_Trial(k, 10.0**powers, cells) for k in left]
+        for k, (rate, need) in zip(
+            left, _judged(trials, channels, low, high, share), strict=True
+        ):
+            tried = int(np.clip(np.ceil(need), _FEWEST, _MOST_TRIED))
+            found[k] = (rate, need, tried)
+        left = [k for k in left if found[k][1] > _ENOUGH * cells]
+        if not left:
             break
-    tried = int(np.clip(np.ceil(need), _FEWEST, _MOST_TRIED))
-    near = best * 10.0 ** np.array([-0.5, 0.0, 0.5])
-    best, need = _best(column, channels, (low, high), near, tried, tolerance)
-    cells = int(np.ceil(max(need, _FEWEST)))
-    return Axis(column, float(low[column]), float(high[column]), best, cells)
+    near = 10.0 ** np.array([-0.5, 0.0, 0.5])
+    trials = [_Trial(k, found[k][0] * near, found[k][2]) for k in columns]
+    judged = _judged(trials, channels, low, high, share)
+    return tuple(
+        Axis(k, float(low[k]), float(high[k]), rate, math.ceil(max(need, _FEWEST)))
+        for k, (rate, need) in zip(columns, judged, strict=True)
+    )
 
 
 def grown(axes: tuple[Axis, ...], factor: float) -> tuple[int, ...]:
     """Return the cells of axes made finer by a factor, by one cell at least."""
-    return tuple(max(axis.cells + 1, int(np.ceil(axis.cells * factor))) for axis in axes)
+    return tuple(
+        max(axis.cells + 1, int(np.ceil(axis.cells * factor))) for axis in axes
+    )
 
 
 def at_most(cells: tuple[int, ...], most: int) -> tuple[int, ...]:
@@ -102,29 +122,37 @@ def refinement(error: Array, tolerance: Array) -> float:
     return float((error / tolerance).max() ** (1 / _ORDER))
 
 
-def _best(
-    column: int,
-    channels: Channels,
-    box: tuple[Array, Array],
-    rates: Array,
-    cells: int,
-    tolerance: Array,
-) -> tuple[float, float]:
-    """Return the rate that needs the fewest cells, and how many it needs."""
-    low, high = box
+def _judged(
+    trials: Sequence[_Trial], channels: Channels, low: Array, high: Array, share: Array
+) -> list[tuple[float, float]]:
+    """Return each trial's best rate, and how many cells that one needs."""
+    values = [_lines(trial, low, high) for trial in trials]
+    ends = np.cumsum([len(own) for own in values])[:-1]
+    if not values:
+        return []
+    # All in one call: each takes a while to begin.
+    found = np.split(channels(np.concatenate(values)), ends)
+    return [_best(*both, share) for both in zip(trials, found, strict=True)]
+
+
+def _lines(trial: _Trial, low: Array, high: Array) -> Array:
+    """Return nodes and mid-cells (n, p) of each rate on each line."""
+    k, cells = trial.column, trial.cells
     steps = np.arange(2 * cells + 1) / 2
-    own = [
-        Axis(column, low[column], high[column], rate, cells).places(steps)
-        for rate in rates
-    ]
+    own = [Axis(k, low[k], high[k], rate, cells).places(steps) for rate in trial.rates]
     lines = low + (high - low) * _LINES[:, None]
-    values = np.tile(lines, (rates.size, steps.size, 1, 1))  # rate, step, line, p
-    values[..., column] = np.array(own)[:, :, None]
-    found = channels(values.reshape(-1, low.size))
-    found = found.reshape(rates.size, steps.size, _LINES.size, -1)
+    values = np.tile(lines, (trial.rates.size, steps.size, 1, 1))
+    values[..., k] = np.array(own)[:, :, None]
+    return values.reshape(-1, low.size)
+
+
+def _best(trial: _Trial, found: Array, share: Array) -> tuple[float, float]:
+    """Return the rate that needs the fewest cells, and how many it needs."""
+    rates, cells = trial.rates, trial.cells
+    found = found.reshape(rates.size, 2 * cells + 1, _LINES.size, -1)
     between = np.einsum("sn,rnlc->rslc", _midway(cells), found[:, ::2])
     error = np.abs(between - found[:, 1::2]).max(axis=(1, 2))
-    worst = (error / tolerance).max(axis=1)
+    worst = (error / share).max(axis=1)
     # Of rates that are as good, such as all that see no more than a step, the highest.
     last = rates.size - 1 - int(worst[::-1].argmin())
     return float(rates[last]), float(cells * worst[last] ** (1 / _ORDER))

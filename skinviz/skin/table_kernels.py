@@ -21,9 +21,9 @@ LOW, HIGH, RATE, SCALE, LAST, COLUMN = range(6)
 """What a row of axes tells; ``LAST`` is the number of the last node, 0 of no axis."""
 
 _BLOCK = 128  # points whose weights stay near
-# Of each axis: the first of the four nodes, then their weights. Flat, so that loops
-# over them are seen not to overlap.
-_FIRST, _W0, _W1, _W2, _W3, _END = (_BLOCK * row for row in range(6))
+# Of each axis the weights of four nodes, flat, so that loops over them are seen not to
+# overlap.
+_W0, _W1, _W2, _W3, _END = (_BLOCK * row for row in range(5))
 
 
 @compiled()
@@ -38,19 +38,18 @@ def interpolate(
     """
     k, width = axes.shape[0], out.shape[1]
     lead = TAPS ** (k - 2)
-    rows = np.zeros(k * _END)
+    rows, begin = np.zeros(k * _END), np.zeros(_BLOCK)
     weights, starts = np.zeros(lead), np.zeros(lead, np.int64)
     line = np.zeros(TAPS * width, table.dtype)
     outside = 0
     for first in range(0, values.shape[0], _BLOCK):
         n = min(_BLOCK, values.shape[0] - first)
         outside += _outside(values, bounds, first, n)
-        for axis in range(k):
-            _place(values, axes[axis], first, n, rows, axis * _END)
+        _place(values, axes, strides, first, n, rows, begin)
         for i in range(n):
-            _leading(rows, strides, i, weights, starts)
-            _gather(rows[(k - 2) * _END + i :], strides, weights, starts, table, line)
-            _finish(rows[(k - 1) * _END + i :], line, out[first + i])
+            _leading(rows, begin, strides, i, weights, starts)
+            _gather(rows, (k - 2) * _END + i, strides, weights, starts, table, line)
+            _finish(rows, (k - 1) * _END + i, line, first + i, out)
     return outside
 
 
@@ -67,39 +66,40 @@ def _outside(values: Any, bounds: Any, first: int, n: int) -> int:
 
 
 @inlined
-def _place(values: Any, axis: Any, first: int, n: int, rows: Any, at: int) -> None:
-    """Fill in the first node and the four weights of a block on one axis."""
-    low, rate, scale = axis[LOW], axis[RATE], axis[SCALE]
-    span, furthest, column = axis[HIGH] - low, axis[LAST] - 3, int(axis[COLUMN])
-    if axis[LAST] == 0:
+def _place(
+    values: Any, axes: Any, strides: Any, first: int, n: int, rows: Any, begin: Any
+) -> None:
+    """Fill in a block's four weights on each axis, and where its first nodes begin."""
+    begin[:] = 0.0
+    for k in range(axes.shape[0]):
+        at = k * _END
+        low, rate, scale = axes[k, LOW], axes[k, RATE], axes[k, SCALE]
+        span, furthest = axes[k, HIGH] - low, axes[k, LAST] - (TAPS - 1)
+        column, step = int(axes[k, COLUMN]), float(strides[k])
         for i in range(n):
-            rows[at + _W0 + i] = 1.0  # all else stays 0
-        return
-    for i in range(n):
-        v = values[first + i, column] - low
-        v = v if v > 0 else 0.0
-        rows[at + _FIRST + i] = v if v < span else span
-    for i in range(n):
-        s = scale * logarithm(1 + rate * (rows[at + _FIRST + i] / span))
-        node = np.floor(s) - 1
-        node = node if node > 0 else 0.0
-        node = node if node < furthest else furthest
-        t = s - node
-        a, b, c = t - 1, t - 2, t - 3
-        rows[at + _FIRST + i] = node
-        rows[at + _W0 + i] = a * b * c * (-1 / 6)
-        rows[at + _W1 + i] = t * b * c * 0.5
-        rows[at + _W2 + i] = t * a * c * -0.5
-        rows[at + _W3 + i] = t * a * b * (1 / 6)
+            v = values[first + i, column] - low
+            v = v if v > 0 else 0.0
+            rows[at + i] = v if v < span else span
+        for i in range(n):
+            s = scale * logarithm(1 + rate * (rows[at + i] / span))
+            node = np.floor(s) - 1
+            node = node if node > 0 else 0.0
+            node = node if node < furthest else furthest
+            t = s - node
+            a, b, c = t - 1, t - 2, t - 3
+            begin[i] += node * step
+            rows[at + _W0 + i] = a * b * c * (-1 / 6)
+            rows[at + _W1 + i] = t * b * c * 0.5
+            rows[at + _W2 + i] = t * a * c * -0.5
+            rows[at + _W3 + i] = t * a * b * (1 / 6)
 
 
 @inlined
-def _leading(rows: Any, strides: Any, i: int, weights: Any, starts: Any) -> None:
+def _leading(
+    rows: Any, begin: Any, strides: Any, i: int, weights: Any, starts: Any
+) -> None:
     """Fill in weights and first entries of a point for all axes but the last two."""
-    start = 0
-    for axis in range(strides.size):
-        start += int(rows[axis * _END + _FIRST + i]) * strides[axis]
-    weights[0], starts[0] = 1.0, start
+    weights[0], starts[0] = 1.0, int(begin[i])
     count = 1
     for axis in range(strides.size - 2):
         for tap in range(TAPS - 1, -1, -1):  # the first last: it overwrites
@@ -112,7 +112,7 @@ def _leading(rows: Any, strides: Any, i: int, weights: Any, starts: Any) -> None
 
 @inlined
 def _gather(
-    own: Any, strides: Any, weights: Any, starts: Any, table: Any, line: Any
+    rows: Any, at: int, strides: Any, weights: Any, starts: Any, table: Any, line: Any
 ) -> None:
     """Sum up all axes but the last into ``line``, its four nodes times channels."""
     kind = table.dtype.type
@@ -121,8 +121,8 @@ def _gather(
     size: Any = np.uint64(line.size)
     for j in range(weights.size):
         w = weights[j]
-        w0, w1 = kind(w * own[_W0]), kind(w * own[_W1])
-        w2, w3 = kind(w * own[_W2]), kind(w * own[_W3])
+        w0, w1 = kind(w * rows[at + _W0]), kind(w * rows[at + _W1])
+        w2, w3 = kind(w * rows[at + _W2]), kind(w * rows[at + _W3])
         a: Any = np.uint64(starts[j])
         b, c, d = a + step, a + step + step, a + step + step + step
         if j == 0:
@@ -136,10 +136,11 @@ def _gather(
 
 
 @inlined
-def _finish(own: Any, line: Any, out: Any) -> None:
+def _finish(rows: Any, at: int, line: Any, i: int, out: Any) -> None:
     """Sum up the last axis."""
-    kind, width = line.dtype.type, out.size
-    w0, w1, w2, w3 = kind(own[_W0]), kind(own[_W1]), kind(own[_W2]), kind(own[_W3])
+    kind, width = line.dtype.type, out.shape[1]
+    w0, w1 = kind(rows[at + _W0]), kind(rows[at + _W1])
+    w2, w3 = kind(rows[at + _W2]), kind(rows[at + _W3])
     for q in range(width):
         upper = w2 * line[2 * width + q] + w3 * line[3 * width + q]
-        out[q] = (w0 * line[q] + w1 * line[width + q]) + upper
+        out[i, q] = (w0 * line[q] + w1 * line[width + q]) + upper
