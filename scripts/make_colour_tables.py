@@ -34,7 +34,8 @@ def write(name: str, header: list[str], columns: list[np.ndarray]) -> None:
 def main() -> None:
     """Write both tables."""
     fine = np.arange(360.0, 831.0)
-    functions = [colour.MSDS_CMFS[name][fine] for name in OBSERVERS]
+    # The library's rounding leaves -1e-20 at two wavelengths where the CIE has 0.
+    functions = [np.maximum(colour.MSDS_CMFS[name][fine], 0.0) for name in OBSERVERS]
     write(
         "cie_cmfs_1nm.csv",
         ["wavelength_nm", "x_1931", "y_1931", "z_1931", "x_1964", "y_1964", "z_1964"],

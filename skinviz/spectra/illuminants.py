@@ -6,19 +6,16 @@ the formats of files (:mod:`skinviz.spectra.formats`).
 
 from __future__ import annotations
 
-import csv
 import os
 import re
 from dataclasses import dataclass, field, replace
-from difflib import SequenceMatcher, get_close_matches
-from functools import cache
-from importlib.resources import files
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinviz._validate import as_spectra, as_wavelengths, in_range
 from skinviz.errors import ArgumentError, DataError
+from skinviz.spectra.cie_illuminants import find_illuminant, table_of_illuminants
 from skinviz.spectra.lamp_file import read_lamp
 from skinviz.spectra.lines import as_lines, deposit, lines_in_words, within
 from skinviz.spectra.wavelengths import resample
@@ -38,7 +35,6 @@ _LINE = re.compile(
     r"(?:line\s+(?:at\s+)?)?(\d+(?:\.\d*)?(?:e[+-]?\d+)?)\s*nm",
     re.IGNORECASE | re.ASCII,
 )
-_FLUORESCENT = re.compile(r"f(\d+)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,20 +116,9 @@ class Illuminant:
         return deposit(self.lines, new)
 
 
-@cache
-def _table() -> tuple[tuple[str, ...], Array]:
-    """Return the names of the columns and the table (1 + names, n)."""
-    path = files("skinviz.spectra") / "data" / "cie_illuminants_5nm.csv"
-    with path.open(encoding="utf-8") as file:
-        rows = list(csv.reader(file))
-    table = np.array(rows[1:], dtype=np.float64).T
-    table.setflags(write=False)
-    return tuple(rows[0][1:]), table
-
-
 def illuminants() -> tuple[str, ...]:
     """Return the names of the CIE illuminants that are known."""
-    return _table()[0]
+    return table_of_illuminants()[0]
 
 
 def cie_illuminant(name: str) -> Illuminant:
@@ -159,34 +144,8 @@ def cie_illuminant(name: str) -> Illuminant:
     ----------
     .. [1] CIE 15:2018, Colorimetry.
     """
-    names, table = _table()
-    asked = _FLUORESCENT.sub(r"fl\1", str(name).strip().casefold())
-    for row, known in zip(table[1:], names, strict=True):
-        if asked == known.casefold():
-            return Illuminant(known, table[0], row)
-    nearest = _nearest_first(asked, names)
-    near = get_close_matches(asked, [nearest[0].casefold()])
-    hint = f"; did you mean {nearest[0]!r}?" if near else ""
-    raise ArgumentError(
-        f"unknown illuminant {str(name)[:40]!r}; choose one of: {', '.join(nearest)}; "
-        f"or a black body, as '3200 K'; or a line, as '632.8 nm'{hint}"
-    )
-
-
-def _nearest_first(asked: str, names: tuple[str, ...]) -> list[str]:
-    """Return the names by how little they differ from what was asked for."""
-
-    def parts(text: str) -> tuple[str, int]:
-        series, number = re.sub(r"[^a-z]", "", text), re.sub(r"[^0-9]", "", text)
-        return series[:40], int(number[:9] or 0)
-
-    def distance(known: str) -> tuple[float, int]:
-        series, number = parts(known.casefold())
-        alike = SequenceMatcher(None, wanted, series).ratio()
-        return -alike, abs(number - wanted_number)
-
-    wanted, wanted_number = parts(asked)
-    return sorted(names, key=distance)
+    known, power = find_illuminant(name)
+    return Illuminant(known, table_of_illuminants()[1][0], power)
 
 
 def black_body(temperature: float) -> Illuminant:
