@@ -200,6 +200,12 @@ def reflectance_table(
     ArgumentError
         If the box lies outside the model's bounds or a corner is not below the
         other, an argument is not as described, or ``most`` is too few for a cubic.
+
+    Notes
+    -----
+    At 1.5e-4 of white over usual skin a straight line needs 44 × 31 × 31 nodes, a
+    quadratic spline 13 × 10 × 11, this cubic 9 × 9 × 9. Over an endless dermis light
+    falls as a root where blood begins, which no cubic follows: nodes run out sooner.
     """
     box = _box(model, low, high)
     channels, width = _channels(model, wavelengths, weights)
