@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from skinviz.rendering.files import read_picture_metadata
     from skinviz.rendering.geometry import geometry_of
     from skinviz.rendering.plan import Plan
+    from skinviz.rendering.planner import plan
     from skinviz.rendering.render import Rendering, render
     from skinviz.rendering.shade import shade, vertex_spectrum
     from skinviz.scan.clean import clean_scan
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
         Illuminant,
         black_body,
         illuminants,
+        line_lamp,
         read_illuminant,
     )
     from skinviz.surface.cook_torrance import CookTorrance
@@ -73,6 +75,7 @@ _HOME = {
     "read_picture_metadata": "rendering.files",
     "geometry_of": "rendering.geometry",
     "Plan": "rendering.plan",
+    "plan": "rendering.planner",
     "Rendering": "rendering.render",
     "render": "rendering.render",
     "shade": "rendering.shade",
@@ -109,6 +112,7 @@ _HOME = {
     "Illuminant": "spectra.illuminants",
     "black_body": "spectra.illuminants",
     "illuminants": "spectra.illuminants",
+    "line_lamp": "spectra.illuminants",
     "read_illuminant": "spectra.illuminants",
     "CookTorrance": "surface.cook_torrance",
     "LobeFit": "surface.fitted_lobe",

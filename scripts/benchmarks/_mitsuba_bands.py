@@ -9,9 +9,9 @@ from _mitsuba_scene import BEST_SAMPLER, Material, Setting
 from _print import Row
 
 from skinviz.rendering.geometry import Geometry
-from skinviz.rendering.lighting import light_spectra
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.render import render
+from skinviz.rendering.spectral import light_spectra
 from skinviz.scene.scene import Scene
 
 _SPP = 64

@@ -98,7 +98,7 @@ def vertex_rows() -> list[Row]:
     )
     vertex_radiance(stage, out)
     xyz = vertex_xyz(stage)
-    summed = out.astype(np.float64) @ stage.spectra.colour
+    summed = out.astype(np.float64) @ stage.bands.spectra.colour
     apart = np.abs(summed - xyz).max(initial=0) / xyz.max()
     return [
         Row(
@@ -161,7 +161,7 @@ def bare(stage: Stage) -> tuple[Callable[[], None], int]:
     m = hits.pixels.size
     starts, ways = (np.zeros((m, 3), np.float32) for _ in range(2))
     lengths, asked = np.zeros(m, np.float32), np.zeros(m, np.int64)
-    light = stage.lighting.lights[0]
+    light = stage.bands.lighting.lights[0]
     m = rays.shadow_rays(
         hits.lifted, hits.normals, hits.facets, light, asked, starts, ways, lengths
     )

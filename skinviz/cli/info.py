@@ -153,11 +153,12 @@ def _left_out(scene: Scene) -> str:
 
 def _energy(body: float, scene: Scene) -> str:
     """Return the most that the scene's surface can reflect, with a warning above 1."""
-    from skinviz.rendering.lighting import refractive_index
+    from skinviz.rendering.lighting import fresnel_basis
     from skinviz.rendering.shade import vertex_gloss
     from skinviz.surface.energy import specular_albedo
 
-    surface, n = scene.surface, refractive_index(scene).max()
+    surface = scene.surface
+    n = fresnel_basis(scene, scene.wavelengths, "dispersion")[0].max()
     gloss = specular_albedo(surface, n=n)
     most = scene.diffuse_scale * body + gloss
     warning = "" if most <= 1 else "; above 1: the surface gives off more than it gets"

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from skinviz._threads import in_slices
 from skinviz.rendering import rays, trace
 from skinviz.rendering.geometry import Geometry
-from skinviz.rendering.lighting import Lighting, Spectra
+from skinviz.rendering.lighting import Lighting, Spectra, body_at
 from skinviz.rendering.plan import Plan
 from skinviz.scene.scene import Scene
 
@@ -42,30 +42,58 @@ class Fields:
 
 
 def fields_of(
-    scene: Scene, geometry: Geometry, lighting: Lighting, spectra: Spectra, plan: Plan
+    scene: Scene,
+    geometry: Geometry,
+    lighting: Lighting,
+    spectra: Spectra,
+    plan: Plan,
+    *,
+    wanted: NDArray[np.bool_],
 ) -> Fields:
-    """Return the light that the mesh throws on its own vertices, if declared."""
-    n, bands = len(geometry.points), scene.wavelengths.size
-    if scene.interreflection == "none":
-        return Fields(np.zeros((n, 0)), np.zeros((0, bands)))
-    lit = np.zeros((lighting.rows, n))
-    points, normals = geometry.components
-    visible = trace.vertex_visibility(geometry, lighting) if plan.shadows else None
-    lighting.scalars(points, normals, lit, visible=visible)
-    leaving = lit[: len(lighting.lights)].T
+    """Return the light that the mesh throws on its own vertices, if declared.
+
+    It is gathered at the vertices ``wanted`` (n,), and 0 elsewhere.
+    """
+    n = len(geometry.points)
+    if scene.interreflection == "none" or plan.bounce_rays == 0:
+        return Fields(np.zeros((n, 0)), np.zeros((0, spectra.wavelengths.size)))
+    leaving = lit_vertices(geometry, lighting, shadows=plan.shadows)
     if spectra.body is not None:
-        gathered = gather(geometry, leaving, plan.bounce_rays)
+        gathered = gather(geometry, leaving, plan.bounce_rays, wanted)
         return Fields(gathered, scene.diffuse_scale * spectra.light * spectra.body)
-    body = scene.skin.model.diffuse(scene.skin.values, scene.wavelengths)
-    gathered = gather(geometry, body * (leaving @ spectra.light), plan.bounce_rays)
-    # Each vertex has a spectrum of its own, of which a few suffice to mix them all:
-    # the right singular vectors, from the small matrix that has them too.
+    values = np.broadcast_to(scene.skin.values, (n, scene.skin.values.shape[-1]))
+    body = body_at(scene, values, spectra.wavelengths)
+    gathered = gather(
+        geometry, body * (leaving @ spectra.light), plan.bounce_rays, wanted
+    )
+    return _few_fields(gathered, scene.diffuse_scale)
+
+
+def lit_vertices(geometry: Geometry, lighting: Lighting, *, shadows: bool) -> Array:
+    """Return what each light gives each vertex (n, n_lights), without wavelength."""
+    lit = np.zeros((lighting.rows, len(geometry.points)))
+    points, normals = geometry.components
+    visible = trace.vertex_visibility(geometry, lighting) if shadows else None
+    lighting.scalars(points, normals, lit, visible=visible)
+    return lit[: len(lighting.lights)].T
+
+
+def _few_fields(gathered: Array, diffuse_scale: float) -> Fields:
+    """Return spectra (n, J) of vertices as mixtures of a few.
+
+    These are the right singular vectors, from the small matrix that has them too.
+    """
     squares, vectors = np.linalg.eigh(gathered.T @ gathered)
     few = vectors[:, squares > _RANK**2 * squares[-1]]
-    return Fields(gathered @ few, scene.diffuse_scale * few.T)
+    return Fields(gathered @ few, diffuse_scale * few.T)
 
 
-def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
+def gather(
+    geometry: Geometry,
+    leaving: Array,
+    n_rays: int,
+    wanted: NDArray[np.bool_] | None = None,
+) -> Array:
     """Return the mean over each vertex's hemisphere of what leaves other vertices.
 
     Parameters
@@ -76,30 +104,36 @@ def gather(geometry: Geometry, leaving: Array, n_rays: int) -> Array:
         Radiance that leaves each vertex, the same in all directions.
     n_rays : int
         Directions a vertex looks in.
+    wanted : (n,) ndarray of bool, optional
+        At which vertices; all by default.
 
     Returns
     -------
     gathered : (n, k) ndarray
-        Irradiance from the mesh itself over π, in the unit of ``leaving``.
+        Irradiance from the mesh itself over π, in the unit of ``leaving``; 0 at
+        vertices that are not wanted.
     """
     gathered = np.zeros_like(leaving)
+    which = np.arange(len(leaving)) if wanted is None else np.flatnonzero(wanted)
     local = _cosine_directions(n_rays)
     tree = geometry.embree  # built before there are threads
 
     def work(part: slice) -> None:
-        m = (part.stop - part.start) * n_rays
-        origins, directions = (np.zeros((m, 3), dtype=np.float32) for _ in range(2))
+        own = which[part]
+        origins, directions = np.zeros((2, own.size * n_rays, 3), dtype=np.float32)
         rays.hemispheres(
-            *(geometry.points[part], geometry.normals[part], local),
+            *(geometry.points[own], geometry.normals[own], local),
             *(origins, directions),
         )
         met = tree.run(origins, directions, query="INTERSECT", output=True)
+        found = np.zeros((own.size, leaving.shape[1]))
         rays.gather(
             *(met["primID"], met["u"], met["v"], met["Ng"], directions),
-            *(geometry.faces, leaving, gathered[part]),
+            *(geometry.faces, leaving, found),
         )
+        gathered[own] = found
 
-    in_slices(work, len(leaving), max(1, _RAYS // n_rays))
+    in_slices(work, which.size, max(1, _RAYS // n_rays))
     return gathered
 
 

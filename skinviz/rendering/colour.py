@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.rendering.lighting import light_spectra, xyz_of_radiance
+from skinviz.rendering.spectral import white_xyz
 from skinviz.scene.scene import Scene
 from skinviz.spectra.adaptation import adaptation
 from skinviz.spectra.display import DisplayCounts
@@ -28,7 +28,7 @@ def display_matrix(scene: Scene) -> Array:
     display = scene.display
     if scene.white == "none":
         return display.matrix
-    white = light_spectra(scene)[0] @ xyz_of_radiance(scene) / scene.exposure
+    white = white_xyz(scene) / scene.exposure
     return display.matrix @ adaptation(scene.white, white, display.white)
 
 

@@ -38,7 +38,9 @@ def why_dark(
     if hits.pixels.size == 0:
         yield _only_inside(stage.geometry)
         return
-    missed = [_why_missed(stage, hits, k) for k in range(len(stage.lighting.lights))]
+    missed = [
+        _why_missed(stage, hits, k) for k in range(len(stage.colours.lighting.lights))
+    ]
     yield from filter(None, missed)
     if None in missed and not xyz.any():
         yield _why_absorbed(stage)
@@ -59,7 +61,7 @@ def _only_inside(geometry: Geometry) -> str:
 
 def _why_missed(stage: Stage, hits: trace.Hits, k: int) -> str | None:
     """Return why a light does not reach what is seen; None if it does."""
-    light = stage.lighting.lights[k]
+    light = stage.colours.lighting.lights[k]
     if light[3] and abs(stage.geometry.winding(light[:3])) > 0.5:
         return f"light {k + 1} is inside the mesh and lights nothing that is seen"
     towards = light[:3, None] - light[3] * hits.points
@@ -68,7 +70,11 @@ def _why_missed(stage: Stage, hits: trace.Hits, k: int) -> str | None:
         return f"light {k + 1} is behind everything that the camera sees"
     if stage.plan.shadows:
         visible = trace.visibility(
-            stage.geometry, stage.lighting, hits.lifted, hits.normals, hits.facets
+            stage.geometry,
+            stage.colours.lighting,
+            hits.lifted,
+            hits.normals,
+            hits.facets,
         )
         if visible[k].mean() <= _SHARE:
             return f"the mesh hides light {k + 1} from everything that the camera sees"

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
 from skinviz.rendering import kernels
-from skinviz.rendering.stage import Stage
+from skinviz.rendering.stage import Lit
 
 Array = NDArray[np.float64]
 
 
 def expand_mapped(
-    stage: Stage,
+    lit: Lit,
     scalars: Array,
     body: Array,
     *,
@@ -27,8 +27,8 @@ def expand_mapped(
 
     Parameters
     ----------
-    stage : Stage
-        What is lit.
+    lit : Lit
+        The light.
     scalars : (k, m) ndarray
         Of the lights, then of the fields.
     body : (m, bands) ndarray
@@ -40,14 +40,14 @@ def expand_mapped(
     out : (n, bands) ndarray
         The radiance.
     """
-    spectra, fields = stage.spectra, stage.fields
-    n_lights, lit = len(spectra.light), stage.lighting.rows
+    spectra, fields = lit.spectra, lit.fields
+    n_lights = len(spectra.light)
     require_single(scalars, spectra.products(fields.spectra))
     kernels.expand_mapped(
         *(rows, samples),
-        np.concatenate([scalars[:n_lights], scalars[lit:]]),
+        np.concatenate([scalars[:n_lights], scalars[lit.rows :]]),
         np.concatenate([spectra.light, fields.spectra]),
-        *(scalars[n_lights:lit], spectra.shine, body, out),
+        *(scalars[n_lights : lit.rows], spectra.shine, body, out),
     )
 
 

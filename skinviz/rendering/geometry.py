@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.errors import MeshError
+from skinviz.rendering.outlines import edges_of
 from skinviz.scan import topology
 from skinviz.scan.checks import require_triangles
 
@@ -71,10 +72,15 @@ class Geometry:
         """The vertices that belong to no triangle with an area: without a normal."""
         return np.flatnonzero(~self.normals.any(axis=1))
 
-    @property
+    @cached_property
     def in_mm(self) -> Array:
         """The vertices (n, 3) in the mesh's own coordinates. [mm]"""
         return self.centre + self.scale * self.points
+
+    @cached_property
+    def edges(self) -> NDArray[np.int32]:
+        """The edges (k, 4): two vertices, and the triangles on both sides or -1."""
+        return edges_of(self.faces, len(self.points))
 
     @cached_property
     def components(self) -> tuple[Array, Array]:

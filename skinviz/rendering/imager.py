@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._threads import even_size, in_slices
-from skinviz.rendering import kernels, trace
-from skinviz.rendering.expansion import as_single, expand_mapped, require_single
-from skinviz.rendering.stage import Stage
+from skinviz.rendering import kernels
+from skinviz.rendering.expansion import as_single
+from skinviz.rendering.painter import Painter
+from skinviz.rendering.plan import MOST_SAMPLES
+from skinviz.rendering.spectral import white_xyz
+from skinviz.rendering.stage import Lit, Stage
 
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
+Whole = NDArray[np.int64]
 Advance = Callable[[int], object]
 
 Box = tuple[int, int, int, int]
@@ -24,108 +28,123 @@ _RAYS = 2**16  # that a thread casts in one go
 _NUMBERS = 2**22  # of reflectance that it holds, where each point has its own
 
 
-def pixel_colours(
-    stage: Stage, box: Box, advance: Advance | None = None
-) -> tuple[Single, NDArray[np.uint8]]:
-    """Return XYZ (k, 3) of a box's pixels, and how many of their rays hit (k,)."""
-    n = _count(box)
-    xyz, covered = np.zeros((n, 3), np.float32), np.zeros(n, np.uint8)
-    spectra = stage.spectra
-    matrix = spectra.products(stage.fields.spectra) @ spectra.colour
+@dataclass(frozen=True, eq=False)
+class Image:
+    """What is seen in the pixels of a picture.
+
+    Attributes
+    ----------
+    xyz : (n, 3) ndarray of float32
+        Light from the mesh.
+    covered, rays : (n,) ndarray of uint8
+        How many of a pixel's rays hit the mesh, of how many.
+    """
+
+    xyz: Single
+    covered: NDArray[np.uint8]
+    rays: NDArray[np.uint8]
+
+
+def image_of(stage: Stage, advance: Advance | None = None) -> Image:
+    """Return the colours of all pixels, row after row.
+
+    Where the plan refines, pixels that an outline crosses and those that differ much
+    from a neighbour have all the samples of the grid.
+    """
+    plan, painter = stage.plan, Painter(stage)
+    width, height = stage.sight.view.size
+    n = width * height
+    rays = np.full(n, plan.samples, np.uint8)
+    if plan.refine is not None:
+        rays[stage.sight.outlines.ravel()] = MOST_SAMPLES
+    image = Image(np.zeros((n, 3), np.float32), np.zeros(n, np.uint8), rays)
 
     def work(part: slice) -> None:
-        hits = _cast(stage, box, part)
-        covered[part] = hits.covered
-        if spectra.body is not None:
-            _expand(stage, hits, matrix, xyz[part])
-            return
-        radiance = np.zeros((len(hits.covered), len(spectra.colour)))
-        _expand_mapped(stage, hits, radiance)
-        xyz[part] = radiance @ spectra.colour
+        for samples in np.unique(rays[part]):
+            own = np.flatnonzero(rays[part] == samples) + part.start
+            _draw(painter, own, int(samples), image)
 
-    in_slices(work, n, _step(stage, n), advance)
-    return xyz, covered
+    painter.prepare()
+    in_slices(work, n, _step(stage.colours, n, plan.samples), advance)
+    if plan.refine is not None and plan.samples < MOST_SAMPLES:
+        _refine(painter, image)
+    return image
 
 
 def pixel_radiance(
-    stage: Stage, box: Box, out: Single, advance: Advance | None = None
+    stage: Stage,
+    box: Box,
+    rays: NDArray[np.uint8],
+    out: Single,
+    advance: Advance | None = None,
 ) -> None:
-    """Write the radiance (k, bands) of a box's pixels, row after row."""
-    spectra = stage.spectra
-    matrix = as_single(spectra.products(stage.fields.spectra))
+    """Write the radiance (k, bands) of a box's pixels, row after row.
+
+    ``rays`` (height, width) are those that the picture's pixels have.
+    """
+    lit, painter = stage.bands, Painter(stage)
+    matrix = as_single(lit.spectra.products(lit.fields.spectra))
+    left, top, right, bottom = box
+    counts = rays[top:bottom, left:right].ravel()
 
     def work(part: slice) -> None:
-        hits = _cast(stage, box, part)
-        if spectra.body is not None:
-            _expand(stage, hits, matrix, out[part])
-        else:
-            _expand_mapped(stage, hits, out[part])
+        row, column = np.divmod(np.arange(part.start, part.stop), right - left)
+        pixels = (row + top) * stage.sight.view.size[0] + column + left
+        for samples in np.unique(counts[part]):
+            own = np.flatnonzero(counts[part] == samples)
+            hits = painter.cast(pixels[own], int(samples))
+            if own.size == pixels.size:
+                painter.radiance(hits, int(samples), matrix, out[part])
+            else:
+                light = np.zeros((own.size, out.shape[1]), dtype=np.float32)
+                painter.radiance(hits, int(samples), matrix, light)
+                out[part.start + own] = light
 
-    n = _count(box)
-    in_slices(work, n, _step(stage, n), advance)
-
-
-def _count(box: Box) -> int:
-    """Return how many pixels a box has."""
-    left, top, right, bottom = box
-    return (right - left) * (bottom - top)
-
-
-def _step(stage: Stage, n: int) -> int:
-    """Return how many of ``n`` pixels a thread takes at once; make what all use."""
     _ = stage.geometry.embree, stage.sight.blocks  # once, not in each thread
+    step = _step(lit, counts.size, int(counts.max(initial=1)))
+    in_slices(work, counts.size, step, advance)
+
+
+def contrast_white(stage: Stage) -> Array:
+    """Return the white (3,) by which contrasts are judged."""
+    white = white_xyz(stage.scene)
+    return white if white.min() > 0.01 * white[1] else np.full(3, white[1])
+
+
+def _draw(painter: Painter, pixels: Whole, samples: int, image: Image) -> None:
+    """Write what is seen of pixels (k,), ascending, with as many samples each."""
+    hits = painter.cast(pixels, samples)
+    image.xyz[pixels] = painter.colours(hits, samples)
+    image.covered[pixels] = hits.covered
+    image.rays[pixels] = samples
+
+
+def _refine(painter: Painter, image: Image) -> None:
+    """Draw pixels with all samples that differ much from a neighbour.
+
+    So are those drawn that are filled in part, though no outline crosses them.
+    """
+    plan = painter.stage.plan
+    width, height = painter.stage.sight.view.size
+    shape = (height, width)
+    rough = np.zeros(shape, dtype=np.bool_)
+    kernels.contrasts(
+        *(image.xyz.reshape(*shape, 3), image.rays.reshape(shape), plan.samples),
+        *(contrast_white(painter.stage), plan.refine, rough),
+    )
+    partly = (image.covered > 0) & (image.covered < image.rays)
+    chosen = np.flatnonzero(rough.ravel() | (partly & (image.rays < MOST_SAMPLES)))
+
+    def work(part: slice) -> None:
+        _draw(painter, chosen[part], MOST_SAMPLES, image)
+
+    step = _step(painter.stage.colours, chosen.size, MOST_SAMPLES)
+    in_slices(work, chosen.size, step)
+
+
+def _step(lit: Lit, n: int, samples: int) -> int:
+    """Return how many of ``n`` pixels a thread takes at once."""
     rays = _RAYS
-    if stage.spectra.body is None:
-        rays = min(rays, _NUMBERS // stage.scene.wavelengths.size)
-    return even_size(n, max(1, rays // stage.plan.samples))
-
-
-def _cast(stage: Stage, box: Box, part: slice) -> trace.Hits:
-    """Cast the rays of some of a box's pixels."""
-    left, top, right, _ = box
-    row, column = np.divmod(np.arange(part.start, part.stop), right - left)
-    row, column = row + top, column + left
-    block, marked = stage.sight.blocks
-    asked = np.flatnonzero(marked[row // block, column // block])
-    pixels = (row * stage.sight.view.size[0] + column)[asked]
-    hits = trace.cast(stage.sight, stage.plan.cells, pixels)
-    covered = np.zeros(row.size, dtype=np.uint8)
-    covered[asked] = hits.covered
-    return dataclasses.replace(hits, pixels=asked[hits.pixels], covered=covered)
-
-
-def _scalars(stage: Stage, hits: trace.Hits) -> Array:
-    """Return the scalars (rows + fields, m) of the points hit."""
-    geometry, lighting, fields = stage.geometry, stage.lighting, stage.fields
-    out = np.zeros((lighting.rows + len(fields.spectra), hits.pixels.size))
-    visible = None
-    if stage.plan.shadows:
-        visible = trace.visibility(
-            geometry, lighting, hits.lifted, hits.normals, hits.facets
-        )
-    lighting.scalars(hits.points, hits.normals, out, visible=visible)
-    if len(fields.spectra):
-        out[lighting.rows :] = trace.at_corners(geometry, hits, fields.values)
-    return out
-
-
-def _expand(
-    stage: Stage, hits: trace.Hits, matrix: NDArray[np.floating], out: Single
-) -> None:
-    """Write the mean over pixels of scalars times the rows of a matrix."""
-    scalars = _scalars(stage, hits)
-    require_single(scalars, matrix)
-    kernels.expand(hits.pixels, stage.plan.samples, scalars, matrix, out)
-
-
-def _expand_mapped(stage: Stage, hits: trace.Hits, out: NDArray[np.floating]) -> None:
-    """Write the radiance of pixels whose points each have their own pigments."""
-    scene = stage.scene
-    model = scene.skin.model
-    low, high = np.array([(p.lower, p.upper) for p in model.parameters]).T
-    values = trace.at_corners(stage.geometry, hits, scene.skin.values).T
-    values = np.clip(values, low, high)  # which means go beyond by rounding
-    body = model.diffuse(values, scene.wavelengths)
-    scalars = _scalars(stage, hits)
-    samples = stage.plan.samples
-    expand_mapped(stage, scalars, body, rows=hits.pixels, samples=samples, out=out)
+    if lit.spectra.body is None:
+        rays = min(rays, _NUMBERS // lit.spectra.wavelengths.size)
+    return even_size(n, max(1, rays // samples))

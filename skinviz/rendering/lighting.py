@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from skinviz.errors import ArgumentError
 from skinviz.rendering import kernels
 from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.plan import Plan
 from skinviz.rendering.sight import Sight
-from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
-from skinviz.spectra.colorimetry import colour_matching_functions, xyz_weights
-from skinviz.spectra.wavelengths import band_widths
+from skinviz.spectra.rules import SpectralRule
 from skinviz.surface.dispersion import dispersion_basis
 
 Array = NDArray[np.float64]
 
 _ALL = np.zeros((0, 0), dtype=np.uint8)
+_MIDDLE = 555.0  # nm, where eyes see best: the one index that stands for all
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,36 +95,41 @@ class Lighting:
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """What the scalars of a point are multiplied by.
+    """What the scalars of a point are multiplied by, at some wavelengths.
 
     Attributes
     ----------
-    light : (n_lights, bands) ndarray
+    wavelengths : (J,) ndarray
+        Not necessarily ascending. [nm]
+    light : (n_lights, J) ndarray
         α E, to be multiplied by what leaves the skin from inside.
-    shine : (n_lights · k, bands) ndarray
+    shine : (n_lights · k, J) ndarray
         E times the weights of each refractive index.
-    body : (bands,) ndarray or None
-        What leaves the skin from inside, where it is uniform; else None. [1]
-    colour : (bands, 3) ndarray
+    body : (J,) ndarray or None
+        What leaves the skin from inside, where all points share it; else None. [1]
+    colour : (J, 3) ndarray
         By which radiance becomes XYZ.
     """
 
+    wavelengths: Array
     light: Array
     shine: Array
     body: Array | None
     colour: Array
 
     def products(self, fields: Array) -> Array:
-        """Return what all scalars of uniform skin go with (rows + e, bands).
+        """Return what all scalars of uniform skin go with (rows + e, J).
 
-        ``fields`` (e, bands) are of light that other parts throw on the point.
+        ``fields`` (e, J) are of light that other parts throw on the point.
         """
         body = 1.0 if self.body is None else self.body  # else multiplied in later
         return np.concatenate([self.light * body, self.shine, fields * body])
 
 
-def lighting_of(scene: Scene, sight: Sight) -> Lighting:
+def lighting_of(scene: Scene, sight: Sight, indices: Array) -> Lighting:
     """Return a scene's lights and surface, as they are seen.
+
+    ``indices`` (k,) are those at which Fresnel's law is to be computed.
 
     Raises
     ------
@@ -143,7 +148,6 @@ def lighting_of(scene: Scene, sight: Sight) -> Lighting:
             "is defined; move it out of the mesh"
         )
     surface = scene.surface
-    indices, _ = dispersion_basis(refractive_index(scene))
     return Lighting(
         lights=lights,
         reaches=reaches,
@@ -154,58 +158,53 @@ def lighting_of(scene: Scene, sight: Sight) -> Lighting:
     )
 
 
-def spectra_of(scene: Scene, body: Array | None) -> Spectra:
+def spectra_of(scene: Scene, rule: SpectralRule, plan: Plan) -> tuple[Spectra, Array]:
     """Return the spectra by which a scene's scalars are multiplied.
 
-    ``body`` is that of :func:`uniform_body`, which lights do not change.
+    With them come the refractive indices (k,) that their specular part is made for.
     """
-    powers = light_spectra(scene)
-    _, weights = dispersion_basis(refractive_index(scene))
-    return Spectra(
+    powers = light_scale(scene)[:, None] * rule.light
+    indices, weights = fresnel_basis(scene, rule.wavelengths, plan.specular)
+    uniform = scene.skin.values.ndim == 1 and plan.basis == "shared"
+    spectra = Spectra(
+        wavelengths=rule.wavelengths,
         light=scene.diffuse_scale * powers,
-        shine=(powers[:, None] * weights).reshape(-1, scene.wavelengths.size),
-        body=body,
-        colour=xyz_of_radiance(scene),
+        shine=(powers[:, None] * weights).reshape(-1, rule.wavelengths.size),
+        body=body_at(scene, scene.skin.values, rule.wavelengths) if uniform else None,
+        colour=rule.colour,
     )
+    return spectra, indices
 
 
-def uniform_body(scene: Scene) -> Array | None:
-    """Return what leaves uniform skin from inside (bands,), None of mapped skin."""
-    values = scene.skin.values
-    if values.ndim > 1:
-        return None
-    return scene.skin.model.diffuse(values, scene.wavelengths)
-
-
-def light_spectra(scene: Scene) -> Array:
-    """Return E(λ) of each light (lights, n): radiance of the lit perfect diffuser.
-
-    Scaled so that Σ E ȳ Δλ of the first light is the exposure.
-    """
-    cmfs = colour_matching_functions(scene.wavelengths, scene.observer)
-    seen = cmfs[:, 1] * band_widths(scene.wavelengths)
-
-    def unit_luminance(light: Light) -> Array:
-        spd = light.spectrum.spd(scene.wavelengths)
-        xyz_weights(scene.wavelengths, spd, scene.observer)  # refuses unseen light
-        return np.asarray(spd / (spd @ seen))
-
+def light_scale(scene: Scene) -> Array:
+    """Return what each light's Y of the perfect diffuser is (lights,)."""
     first = scene.lights[0].strength
     return np.array(
-        [
-            scene.exposure * (light.strength / first) * unit_luminance(light)
-            for light in scene.lights
-        ]
+        [scene.exposure * (light.strength / first) for light in scene.lights]
     )
 
 
-def xyz_of_radiance(scene: Scene) -> Array:
-    """Return the weights (bands, 3) by which radiance becomes XYZ."""
-    cmfs = colour_matching_functions(scene.wavelengths, scene.observer)
-    return np.asarray(cmfs * band_widths(scene.wavelengths)[:, None])
+def body_at(scene: Scene, values: Array, wavelengths: Array) -> Array:
+    """Return what leaves skin of some parameters (..., p) from inside (..., J). [1]"""
+    model = scene.skin.model
+    if (np.diff(wavelengths) > 0).all():
+        return model.diffuse(values, wavelengths)
+    ascending, places = np.unique(wavelengths, return_inverse=True)
+    return model.diffuse(values, ascending)[..., places]
 
 
-def refractive_index(scene: Scene) -> Array:
-    """Return the skin's refractive index at each band (bands,)."""
-    n, bands = scene.surface.n, scene.wavelengths
-    return np.full(bands.size, n) if isinstance(n, float | int) else n.index(bands)
+def fresnel_basis(
+    scene: Scene, wavelengths: Array, specular: str
+) -> tuple[Array, Array]:
+    """Return indices (k,) of refraction and their weights (k, J) at wavelengths.
+
+    As many as ``specular`` says: none, one, or what the dispersion needs.
+    """
+    if specular == "none":
+        return np.zeros(0), np.zeros((0, wavelengths.size))
+    n = scene.surface.n
+    if isinstance(n, float | int):
+        return np.array([float(n)]), np.ones((1, wavelengths.size))
+    if specular == "constant":
+        return n.index([_MIDDLE]), np.ones((1, wavelengths.size))
+    return dispersion_basis(n.index(wavelengths))

@@ -287,6 +287,18 @@ def interpolate(hits: Any, faces: Any, weights: Any, fields: Any, out: Any) -> N
 
 
 @compiled()
+def interpolate_rows(hits: Any, faces: Any, weights: Any, rows: Any, out: Any) -> None:
+    """Write rows (n, c), given at vertices, at points of triangles ``hits``: (m, c)."""
+    for j in range(hits.size):
+        face = faces[hits[j]]
+        a, b, c = rows[face[0]], rows[face[1]], rows[face[2]]
+        for i in range(out.shape[1]):
+            out[j, i] = (
+                weights[0, j] * a[i] + weights[1, j] * b[i] + weights[2, j] * c[i]
+            )
+
+
+@compiled()
 def mark_blocks(places: Any, faces: Any, block: Any, marked: Any) -> None:
     """Mark the blocks of pixels that the box round any triangle touches.
 

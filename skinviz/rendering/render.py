@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, SceneWarning
+from skinviz.rendering.check import checked
 from skinviz.rendering.colour import encoded
 from skinviz.rendering.darkness import why_dark
 from skinviz.rendering.files import write_picture
 from skinviz.rendering.geometry import Geometry
-from skinviz.rendering.imager import Advance, Box, Single, pixel_colours, pixel_radiance
+from skinviz.rendering.imager import Advance, Box, Single, image_of, pixel_radiance
 from skinviz.rendering.plan import Plan
+from skinviz.rendering.planner import planned
 from skinviz.rendering.stage import Stage, stage_of
 from skinviz.scene.camera import View
 from skinviz.scene.describe import describe
@@ -45,14 +47,15 @@ class Rendering:
     xyz : (height, width, 3) ndarray of float32
         Tristimulus values of the light from the mesh; Y = 1 is the perfect diffuser
         that faces light 1 at the mesh's centroid, times the exposure.
-    covered : (height, width) ndarray of uint8
-        How many of a pixel's rays hit the mesh, of ``plan.samples``.
+    covered, rays : (height, width) ndarray of uint8
+        How many of a pixel's rays hit the mesh, of how many.
     notes : tuple of str
         What the scene's maker should know of it.
     """
 
     xyz: Single
     covered: NDArray[np.uint8]
+    rays: NDArray[np.uint8]
     notes: tuple[str, ...]
     _stage: Stage
 
@@ -92,7 +95,7 @@ class Rendering:
     @property
     def coverage(self) -> Single:
         """The share of each pixel that shows the mesh (height, width). [1]"""
-        return self.covered.astype(np.float32) / np.float32(self.plan.samples)
+        return np.asarray(self.covered / self.rays.astype(np.float32))
 
     @property
     def rgb(self) -> NDArray[np.uint8]:
@@ -152,7 +155,8 @@ class Rendering:
         left, top, right, bottom = box = _box(where, self.size)
         shape = (bottom - top, right - left, self.wavelengths.size)
         out = _target(shape) if out is None else _checked(out, shape)
-        pixel_radiance(self._stage, box, out.reshape(-1, shape[2]), advance)
+        flat = out.reshape(-1, shape[2])
+        pixel_radiance(self._stage, box, self.rays, flat, advance)
         return out[0, 0] if where is not None and len(where) == 2 else out
 
     @property
@@ -222,6 +226,7 @@ class Rendering:
 def render(
     scene: Scene,
     plan: Plan | None = None,
+    tolerance: float = 1.0,
     *,
     geometry: Geometry | None = None,
     advance: Advance | None = None,
@@ -233,7 +238,11 @@ def render(
     scene : Scene
         What is lit and seen.
     plan : Plan, optional
-        How finely; 16 samples a pixel with shadows by default.
+        How finely, as from :func:`skinviz.plan`; made for the tolerance by default.
+        ``Plan()`` is the reference, which leaves nothing out.
+    tolerance : float
+        What the picture's colours may differ from the reference's by, where no plan
+        is given; see :func:`skinviz.plan`. [ΔE00]
     geometry : Geometry, optional
         Of the scene's mesh, from :func:`geometry_of`: saves its preparation where
         one mesh is shown several times.
@@ -259,19 +268,28 @@ def render(
         If the picture is empty or black, and why; see ``Rendering.notes``.
     """
     stage = stage_of(scene, plan, geometry)
-    eye = stage.lighting.eye
+    eye = stage.sight.eye
     if eye[3] and abs(stage.geometry.winding(eye[:3])) > 0.5:
         raise ArgumentError(
             "the camera is inside the mesh; give view a larger distance, or another "
             "target"
         )
-    width, height = scene.camera.size
-    xyz, covered = pixel_colours(stage, (0, 0, width, height), advance)
-    shape = (height, width)
-    notes = tuple(why_dark(stage, xyz, covered))
+    if plan is None:
+        stage = planned(stage, tolerance)
+    image = image_of(stage, advance)
+    if plan is None:
+        stage, image = checked(stage, image)
+    notes = tuple(why_dark(stage, image.xyz, image.covered))
     for note in notes:
         warnings.warn(note, SceneWarning, stacklevel=2)
-    return Rendering(xyz.reshape(*shape, 3), covered.reshape(shape), notes, stage)
+    shape = scene.camera.size[::-1]
+    return Rendering(
+        image.xyz.reshape(*shape, 3),
+        image.covered.reshape(shape),
+        image.rays.reshape(shape),
+        notes,
+        stage,
+    )
 
 
 def _box(where: tuple[int, ...] | None, size: tuple[int, int]) -> Box:

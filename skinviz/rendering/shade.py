@@ -7,23 +7,29 @@ each product's XYZ is the scalar times the XYZ of its spectrum.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._threads import even_size, in_slices
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
-from skinviz.rendering import trace
 from skinviz.rendering.colour import display_matrix
 from skinviz.rendering.expansion import as_single, expand_mapped, require_single
 from skinviz.rendering.geometry import Geometry
-from skinviz.rendering.lighting import light_spectra
+from skinviz.rendering.lighting import body_at
 from skinviz.rendering.plan import Plan
+from skinviz.rendering.spectral import light_spectra
 from skinviz.rendering.stage import Stage, stage_of
+from skinviz.rendering.tints import vertex_pigments
+from skinviz.rendering.vertices import (
+    Visible,
+    each_slice,
+    seen_lights,
+    vertex_scalars,
+    vertex_xyz,
+)
 from skinviz.scan.formats.surface import UNIT_FIELD
 from skinviz.scene.scene import Scene
 from skinviz.spectra.display import DisplayCounts
@@ -33,8 +39,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
-
-_SLICE = 2**16  # vertices that a thread shades in one go
 
 
 @dataclass(frozen=True)
@@ -67,8 +71,7 @@ def shade(
     scene : Scene
         What is lit and seen.
     plan : Plan, optional
-        Whether with cast shadows (by default) or without, and how finely light
-        between parts is gathered. Its samples do not matter here.
+        The reference by default. Its samples do not matter here.
     geometry : Geometry, optional
         Of the scene's mesh, where it is at hand.
 
@@ -93,7 +96,7 @@ def shade(
     alone, has Y = 1 × exposure. Every vertex is computed, also those that the
     camera cannot see.
     """
-    stage = stage_of(scene, plan, geometry)
+    stage = stage_of(scene, plan, geometry, whole=True)
     radiance = vertex_radiance(stage)
     rgb, counts = vertex_rgb(stage)
     mesh = scene.mesh.copy(deep=False)
@@ -120,52 +123,33 @@ def vertex_radiance(stage: Stage, out: Single | None = None) -> Single:
     out : (n, bands) ndarray of float32, optional
         Where to write it.
     """
-    spectra = stage.spectra
+    lit = stage.bands
+    _require_normals(stage)
     if out is None:
-        out = np.zeros((len(stage.geometry.points), len(spectra.colour)), np.float32)
-    matrix = as_single(spectra.products(stage.fields.spectra))
+        shape = (len(stage.geometry.points), len(lit.spectra.colour))
+        out = np.zeros(shape, np.float32)
+    matrix = as_single(lit.spectra.products(lit.fields.spectra))
+    values = vertex_pigments(stage.scene)
 
-    if spectra.body is None:
-        _each_slice(
-            stage,
-            lambda part, visible: _expand_mapped(
-                stage, part, _scalars(stage, part, visible), out[part]
-            ),
-        )
-        return out
+    def use_mapped(part: slice, visible: Visible) -> None:
+        scalars = vertex_scalars(stage, lit, part, visible)
+        body = body_at(stage.scene, values[part], lit.spectra.wavelengths)
+        rows = np.arange(len(body))
+        expand_mapped(lit, scalars, body, rows=rows, samples=1, out=out[part])
 
-    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
-        peaks = stage.lighting.expand(
+    def use(part: slice, visible: Visible) -> None:
+        peaks = lit.lighting.expand(
             stage.geometry,
             part,
             visible=visible,
-            fields=stage.fields.values,
+            fields=lit.fields.values,
             spectra=matrix,
             out=out,
         )
         require_single(peaks[:, None], matrix)
 
-    _each_slice(stage, use)
+    each_slice(stage, lit, use_mapped if lit.spectra.body is None else use)
     return out
-
-
-def vertex_xyz(stage: Stage) -> Array:
-    """Return XYZ of every vertex (n, 3); no spectra are formed of uniform skin."""
-    spectra = stage.spectra
-    xyz = np.zeros((len(stage.geometry.points), 3))
-    matrix = spectra.products(stage.fields.spectra) @ spectra.colour
-
-    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
-        scalars = _scalars(stage, part, visible)
-        if spectra.body is not None:
-            xyz[part] = scalars.T @ matrix
-            return
-        radiance = np.zeros((scalars.shape[1], len(spectra.colour)))
-        _expand_mapped(stage, part, scalars, radiance)
-        xyz[part] = radiance @ spectra.colour
-
-    _each_slice(stage, use)
-    return xyz
 
 
 def vertex_rgb(stage: Stage) -> tuple[NDArray[np.uint8], DisplayCounts]:
@@ -175,21 +159,21 @@ def vertex_rgb(stage: Stage) -> tuple[NDArray[np.uint8], DisplayCounts]:
     term and are not seen. This is the quick way to colours, for a light that moves
     (:meth:`Stage.relit`): nothing is computed by wavelength or kept by vertex.
     """
-    spectra, scene, display = stage.spectra, stage.scene, stage.scene.display
-    if spectra.body is None:
-        linear = vertex_xyz(stage) @ display_matrix(scene).T
+    lit, display = stage.colours, stage.scene.display
+    _require_normals(stage)
+    if lit.spectra.body is None:
+        linear = vertex_xyz(stage) @ display_matrix(stage.scene).T
         return display.encode8(linear, stage.sight.facing)
     rgb = np.zeros((len(stage.geometry.points), 3), np.uint8)
-    matrix = spectra.products(stage.fields.spectra) @ spectra.colour
-    matrix = matrix @ display_matrix(scene).T
+    matrix = lit.matrix @ display_matrix(stage.scene).T
     seen, told = stage.sight.facing, []
 
-    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
-        scalars = _scalars(stage, part, visible)
+    def use(part: slice, visible: Visible) -> None:
+        scalars = vertex_scalars(stage, lit, part, visible)
         rgb[part], counts = display.encode8(scalars.T @ matrix, seen[part])
         told.append(counts)
 
-    _each_slice(stage, use)
+    each_slice(stage, lit, use)
     return rgb, sum(told, DisplayCounts(0, 0, 0))
 
 
@@ -216,18 +200,20 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
     in_range(vertex, 0, scene.mesh.n_points - 1, "vertex")
     if vertex != int(vertex):
         raise ArgumentError(f"vertex must be a whole number; got {vertex}")
-    stage, vertex = stage_of(scene), int(vertex)
-    scalars = _scalars(stage, slice(vertex, vertex + 1), _visible(stage))[:, 0]
-    spectra, n_lights = stage.spectra, len(stage.lighting.lights)
-    values = scene.skin.values
-    own = values if values.ndim == 1 else values[vertex]
-    body = scene.skin.model.diffuse(own, scene.wavelengths)
-    rows = stage.lighting.rows
-    lit = scalars[:n_lights] @ spectra.light + scalars[rows:] @ stage.fields.spectra
+    vertex = int(vertex)
+    stage = stage_of(scene, whole=True)
+    lit = stage.bands
+    part, n_lights = slice(vertex, vertex + 1), len(lit.spectra.light)
+    scalars = vertex_scalars(stage, lit, part, seen_lights(stage, lit))[:, 0]
+    own = vertex_pigments(scene)[vertex]
+    diffuse = (
+        scalars[:n_lights] @ lit.spectra.light
+        + scalars[lit.rows :] @ lit.fields.spectra
+    )
     return VertexSpectrum(
         scene.wavelengths,
-        np.maximum(lit, 0) * body,
-        scalars[n_lights:rows] @ spectra.shine,
+        np.maximum(diffuse, 0) * body_at(scene, own, scene.wavelengths),
+        scalars[n_lights : lit.rows] @ lit.spectra.shine,
         light_spectra(scene)[0],
     )
 
@@ -238,55 +224,23 @@ def vertex_gloss(scene: Scene) -> Array:
     In units of the perfect diffuser that faces this light. [1]
     """
     stage = stage_of(scene)
-    n_lights, rows = len(stage.lighting.lights), stage.lighting.rows
-    gloss = np.zeros(len(stage.geometry.points))
+    lit = stage.bands
+    n_lights, gloss = len(lit.spectra.light), np.zeros(len(stage.geometry.points))
+    _require_normals(stage)
 
-    def use(part: slice, visible: NDArray[np.uint8] | None) -> None:
-        scalars = _scalars(stage, part, visible)
-        gloss[part] = scalars[n_lights:rows].max(axis=0)
+    def use(part: slice, visible: Visible) -> None:
+        scalars = vertex_scalars(stage, lit, part, visible)
+        gloss[part] = scalars[n_lights : lit.rows].max(axis=0)
 
-    _each_slice(stage, use)
+    each_slice(stage, lit, use)
     return gloss
 
 
-def _each_slice(
-    stage: Stage, use: Callable[[slice, NDArray[np.uint8] | None], None]
-) -> None:
-    """Call ``use`` on slices of the vertices, with the lights that each one sees."""
+def _require_normals(stage: Stage) -> None:
+    """Refuse a mesh with vertices that have no normal."""
     lost = stage.geometry.lost
     if lost.size:
         raise MeshError(
             f"vertex {lost[0]} belongs to no triangle with an area ({lost.size} such "
             "vertices); clean the mesh first: skinviz clean"
         )
-    visible = _visible(stage)
-    n = len(stage.geometry.points)
-    in_slices(lambda part: use(part, visible), n, even_size(n, _SLICE))
-
-
-def _visible(stage: Stage) -> NDArray[np.uint8] | None:
-    """Return which lights the vertices see; None: all."""
-    if not stage.plan.shadows:
-        return None
-    return trace.vertex_visibility(stage.geometry, stage.lighting)
-
-
-def _scalars(stage: Stage, part: slice, visible: NDArray[np.uint8] | None) -> Array:
-    """Return the scalars (rows + e, m) of some vertices."""
-    lighting, fields = stage.lighting, stage.fields
-    out = np.zeros((lighting.rows + len(fields.spectra), part.stop - part.start))
-    seen = None if visible is None else np.ascontiguousarray(visible[:, part])
-    points, normals = stage.geometry.components
-    lighting.scalars(points, normals, out, part.start, seen)
-    out[lighting.rows :] = fields.values[part].T
-    return out
-
-
-def _expand_mapped(
-    stage: Stage, part: slice, scalars: Array, out: NDArray[np.floating]
-) -> None:
-    """Write the radiance of vertices that each have their own pigments."""
-    scene = stage.scene
-    body = scene.skin.model.diffuse(scene.skin.values[part], scene.wavelengths)
-    rows = np.arange(len(body))
-    expand_mapped(stage, scalars, body, rows=rows, samples=1, out=out)

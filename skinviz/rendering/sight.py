@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from skinviz.rendering import rays
 from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.outlines import facing_triangles, outline_pixels
 from skinviz.scene.camera import View
 
 Array = NDArray[np.float64]
@@ -59,15 +60,45 @@ class Sight:
         return np.asarray((self.geometry.normals * towards).sum(axis=1) > 0)
 
     @cached_property
+    def places(self) -> Array | None:
+        """Columns and rows (n, 2) of the vertices; None if one is beside the eye."""
+        view, points = self.view, self.geometry.in_mm
+        if np.isfinite(view.distance):
+            nearness = 1 - (points - view.target) @ view.direction / view.distance
+            if nearness.min() < 1e-3:  # beside or behind the eye, nothing is projected
+                return None
+        return view.project(points)
+
+    @cached_property
+    def front(self) -> NDArray[np.bool_]:
+        """Which triangles (m,) turn their outside to the eye."""
+        geometry = self.geometry
+        return facing_triangles(geometry.points, geometry.faces, self.eye)
+
+    @cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """Which vertices (n,) belong to such a triangle: no others can matter."""
+        seen = np.zeros(len(self.geometry.points), dtype=np.bool_)
+        seen[self.geometry.faces[self.front]] = True
+        return seen
+
+    @cached_property
+    def outlines(self) -> NDArray[np.bool_]:
+        """Which pixels (height, width) an outline of the mesh may cross."""
+        width, height = self.view.size
+        if self.places is None:
+            return np.ones((height, width), dtype=np.bool_)
+        edges = self.geometry.edges
+        return outline_pixels(self.places, edges, self.front, self.view.size)
+
+    @cached_property
     def blocks(self) -> tuple[int, NDArray[np.bool_]]:
         """A size of blocks of pixels, and which (rows, columns) may show the mesh."""
-        view, points = self.view, self.geometry.in_mm
-        width, height = view.size
+        width, height = self.view.size
         block = -(-max(width, height) // _BLOCKS)
         marked = np.zeros((-(-height // block), -(-width // block)), dtype=bool)
-        nearness = 1 - (points - view.target) @ view.direction / view.distance
-        if nearness.min() < 1e-3:  # beside or behind the eye, nothing is projected
+        if self.places is None:
             marked[:] = True
         else:
-            rays.mark_blocks(view.project(points), self.geometry.faces, block, marked)
+            rays.mark_blocks(self.places, self.geometry.faces, block, marked)
         return block, marked

@@ -2,27 +2,55 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.rendering.bounce import Fields, fields_of
 from skinviz.rendering.geometry import Geometry, geometry_of
-from skinviz.rendering.lighting import (
-    Lighting,
-    Spectra,
-    lighting_of,
-    spectra_of,
-    uniform_body,
-)
+from skinviz.rendering.lighting import Lighting, Spectra, lighting_of, spectra_of
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.sight import Sight
+from skinviz.rendering.spectral import colour_rule, spectra_rule
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
+from skinviz.spectra.rules import SpectralRule
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """A scene's light in the two factors of which it is the product.
+
+    Attributes
+    ----------
+    lighting : Lighting
+        What depends on place.
+    spectra : Spectra
+        What depends on wavelength.
+    fields : Fields
+        Light that the mesh throws on itself.
+    """
+
+    lighting: Lighting
+    spectra: Spectra
+    fields: Fields
+
+    @cached_property
+    def matrix(self) -> Array:
+        """What each scalar of uniform skin gives in XYZ (rows + e, 3)."""
+        return self.spectra.products(self.fields.spectra) @ self.spectra.colour
+
+    @property
+    def rows(self) -> int:
+        """How many scalars of lights a point has."""
+        return self.lighting.rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,34 +65,88 @@ class Stage:
         How finely.
     sight : Sight
         Its mesh, and who looks at it.
-    lighting : Lighting
-        What depends on place.
-    spectra : Spectra
-        What depends on wavelength.
-    fields : Fields
-        Light that the mesh throws on itself.
+    wanted : (n,) ndarray of bool
+        At which vertices light is wanted.
     """
 
     scene: Scene
     plan: Plan
     sight: Sight
-    lighting: Lighting
-    spectra: Spectra
-    fields: Fields
+    wanted: NDArray[np.bool_]
 
     @property
     def geometry(self) -> Geometry:
         """The mesh."""
         return self.sight.geometry
 
+    @cached_property
+    def colours(self) -> Lit:
+        """Light as the plan sums it up for eyes."""
+        return self._lit(colour_rule(self.scene, self.plan.spectrum))
+
+    @cached_property
+    def bands(self) -> Lit:
+        """Light at the scene's own wavelengths."""
+        return self._lit(spectra_rule(self.scene))
+
     def relit(self, lights: Iterable[Light]) -> Stage:
-        """Return the stage under other lights: what a light that moves costs."""
+        """Return the stage under other lights: what a light that moves costs.
+
+        Where only places change, the light's spectra are not computed anew.
+        """
         scene = self.scene.replace(lights=tuple(lights))
-        return _lit(scene, self.plan, self.sight, self.spectra.body)
+        stage = dataclasses.replace(self, scene=scene)
+        if _alike(self.scene, scene) and "colours" in self.__dict__:
+            old = self.colours
+            lighting = lighting_of(scene, self.sight, old.lighting.indices)
+            stage.__dict__["colours"] = self._shone(scene, lighting, old.spectra)
+        return stage
+
+    def replanned(self, **changes: Any) -> Stage:
+        """Return the stage with some of its plan changed; what stays is not redone."""
+        plan = self.plan.replace(**changes)
+        stage = dataclasses.replace(self, plan=plan)
+        same = all(
+            getattr(plan, name) == getattr(self.plan, name)
+            for name in self._light_settings
+        )
+        for name in ("colours", "bands"):
+            if same and name in self.__dict__:
+                stage.__dict__[name] = self.__dict__[name]
+        return stage
+
+    def only_at(self, wanted: NDArray[np.bool_]) -> Stage:
+        """Return the stage with light wanted at other vertices (n,)."""
+        return dataclasses.replace(self, wanted=wanted)
+
+    @property
+    def _light_settings(self) -> tuple[str, ...]:
+        """What of the plan the light depends on before any ray is cast."""
+        settings = ("spectrum", "specular", "basis")
+        if self.scene.interreflection == "none":
+            return settings
+        return (*settings, "bounce_rays", "shadows")
+
+    def _lit(self, rule: SpectralRule) -> Lit:
+        """Return the scene's light as one rule samples it."""
+        spectra, indices = spectra_of(self.scene, rule, self.plan)
+        lighting = lighting_of(self.scene, self.sight, indices)
+        return self._shone(self.scene, lighting, spectra)
+
+    def _shone(self, scene: Scene, lighting: Lighting, spectra: Spectra) -> Lit:
+        """Return light with what the mesh throws on itself."""
+        fields = fields_of(
+            *(scene, self.geometry, lighting, spectra, self.plan), wanted=self.wanted
+        )
+        return Lit(lighting, spectra, fields)
 
 
 def stage_of(
-    scene: Scene, plan: Plan | None = None, geometry: Geometry | None = None
+    scene: Scene,
+    plan: Plan | None = None,
+    geometry: Geometry | None = None,
+    *,
+    whole: bool = False,
 ) -> Stage:
     """Make a scene ready.
 
@@ -73,9 +155,11 @@ def stage_of(
     scene : Scene
         What is lit and seen.
     plan : Plan, optional
-        How finely; ``Plan()`` by default.
+        How finely; the reference by default.
     geometry : Geometry, optional
         Of the scene's mesh, where it is at hand from :func:`geometry_of`.
+    whole : bool
+        Whether light is wanted at vertices too that the eye cannot see.
 
     Returns
     -------
@@ -87,17 +171,16 @@ def stage_of(
     MeshError
         If the mesh is empty, has no extent or a vertex that is not finite.
     ArgumentError
-        If a light stands at the mesh's centroid, or the eye within the mesh's reach
-        where all of it is to be seen.
+        If the eye is within the mesh's reach where all of it is to be seen.
     """
     geometry = geometry or geometry_of(scene.mesh)
     sight = Sight(geometry, scene.camera.view(geometry.in_mm))
-    return _lit(scene, plan or Plan(), sight, uniform_body(scene))
+    wanted = np.ones(len(geometry.points), np.bool_) if whole else sight.seen
+    return Stage(scene, plan or Plan(), sight, wanted)
 
 
-def _lit(scene: Scene, plan: Plan, sight: Sight, body: Array | None) -> Stage:
-    """Return the stage with what its lights and skin make of it."""
-    lighting = lighting_of(scene, sight)
-    spectra = spectra_of(scene, body)
-    fields = fields_of(scene, sight.geometry, lighting, spectra, plan)
-    return Stage(scene, plan, sight, lighting, spectra, fields)
+def _alike(one: Scene, other: Scene) -> bool:
+    """Return whether two scenes' lights have the same spectra and strengths."""
+    return [(light.illuminant, light.strength) for light in one.lights] == [
+        (light.illuminant, light.strength) for light in other.lights
+    ]

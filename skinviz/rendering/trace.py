@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +24,8 @@ class Hits:
 
     Attributes
     ----------
+    rays : (m,) ndarray
+        Which of the rays each hit is of, ascending, those of a pixel in a row.
     pixels : (m,) ndarray
         Which of the pixels asked for each hit belongs to, ascending.
     triangles : (m,) ndarray
@@ -39,6 +42,7 @@ class Hits:
         How many rays of each pixel hit the mesh at all.
     """
 
+    rays: Whole
     pixels: Whole
     triangles: NDArray[np.int32]
     weights: Array
@@ -48,36 +52,65 @@ class Hits:
     facets: Array
     covered: NDArray[np.uint8]
 
+    def part(self, which: slice | Whole) -> Hits:
+        """Return some of the hits (k,), as pixels 0 to k - 1 of one ray each."""
+        k = self.rays[which].size
 
-def cast(sight: Sight, cells: Array, pixels: Whole) -> Hits:
+        def columns(values: Array) -> Array:
+            return np.ascontiguousarray(values[:, which])
+
+        return Hits(
+            rays=np.arange(k),
+            pixels=np.arange(k),
+            triangles=self.triangles[which],
+            weights=columns(self.weights),
+            points=columns(self.points),
+            normals=columns(self.normals),
+            lifted=columns(self.lifted),
+            facets=columns(self.facets),
+            covered=np.ones(k, dtype=np.uint8),
+        )
+
+    def apart(self, n_rays: int) -> Hits:
+        """Return the hits with each of the ``n_rays`` cast as a pixel of its own.
+
+        Only those that hit the mesh's outside count as covered.
+        """
+        covered = np.zeros(n_rays, dtype=np.uint8)
+        covered[self.rays] = 1
+        return dataclasses.replace(self, pixels=self.rays, covered=covered)
+
+
+def cast(sight: Sight, places: Array, pixels: Whole) -> Hits:
     """Cast the rays of pixels.
 
     Parameters
     ----------
     sight : Sight
         Who looks at what.
-    cells : (samples, 2) ndarray
-        Places in a pixel. [pixels]
+    places : (samples, 2) ndarray
+        Of the rays in a pixel. [pixels]
     pixels : (k,) ndarray of int64
         Row × width + column, ascending.
     """
     geometry, frame, size = sight.geometry, sight.frame, np.array(sight.view.size)
-    n = pixels.size * len(cells)
+    n = pixels.size * len(places)
     origins, directions = (np.zeros((n, 3), dtype=np.float32) for _ in range(2))
-    rays.start_rays(frame, size, cells, pixels, origins, directions)
+    rays.start_rays(frame, size, places, pixels, origins, directions)
     triangles = geometry.embree.run(origins, directions, query="INTERSECT")
     m = rays.count_hits(triangles)
     hit = np.zeros(m, dtype=np.int64)
     weights, points, normals, lifted, facets = np.zeros((5, 3, m))
     m = rays.hit_points(
-        *(triangles, frame, size, cells, pixels),
+        *(triangles, frame, size, places, pixels),
         *(geometry.points, geometry.faces, geometry.normals),
         *(hit, weights, points, normals, lifted, facets),
     )
-    shape = (pixels.size, len(cells))
+    shape = (pixels.size, len(places))
     covered = (triangles >= 0).reshape(shape).sum(axis=1, dtype=np.uint8)
     return Hits(
-        hit[:m] // len(cells),
+        hit[:m],
+        hit[:m] // len(places),
         triangles[hit[:m]],
         np.ascontiguousarray(weights[:, :m]),
         np.ascontiguousarray(points[:, :m]),

@@ -81,13 +81,12 @@ class Camera:
             If the eye is among or behind points that are to fill the picture.
         """
         right = np.cross(self.up, self.direction)
+        axes = np.stack([right, self.up, self.direction])
+        seen = axes @ points.T  # an axis a row: their extremes are found quickly
         target = self.target
         if target is None:
-            axes = np.stack([right, self.up, self.direction])
-            seen = points @ axes.T
-            target = (seen.min(axis=0) + seen.max(axis=0)) / 2 @ axes
-        plain = View(target, right, self.up, self.direction, self.distance, 1.0, (0, 0))
-        height = self.height or self._whole(plain, points)
+            target = (seen.min(axis=1) + seen.max(axis=1)) / 2 @ axes
+        height = self.height or self._whole(seen - (axes @ target)[:, None])
         return View(
             target,
             right,
@@ -98,17 +97,20 @@ class Camera:
             self.size,
         )
 
-    def _whole(self, plain: View, points: Array) -> float:
-        """Return the height that shows all points. [mm]"""
-        depth = (points - plain.target) @ self.direction
-        if depth.max() >= self.distance * (1 - 1e-3):
+    def _whole(self, seen: Array) -> float:
+        """Return the height [mm] that shows all points, seen (3, n) from the target."""
+        depth = seen[2].max()
+        if depth >= self.distance * (1 - 1e-3):
             raise ArgumentError(
                 f"the camera, {self.distance:g} mm from its target, is not in front of "
-                f"the whole mesh, which reaches {depth.max():.4g} mm towards it; move "
+                f"the whole mesh, which reaches {depth:.4g} mm towards it; move "
                 "it farther away, or say with height what it shows"
             )
         width, height = self.size
-        across, along = np.abs(plain.on_plane(points)).max(axis=0)
+        flat = seen[:2]
+        if np.isfinite(self.distance):
+            flat = flat / (1 - seen[2] / self.distance)
+        across, along = np.maximum(flat.max(axis=1), -flat.min(axis=1))
         return float(max(2 * along, 2 * across * height / width) * _MARGIN) or 1.0
 
 
@@ -148,15 +150,17 @@ class View:
     def on_plane(self, points: ArrayLike) -> Array:
         """Return where points (..., 3) are seen in the target's plane (..., 2). [mm]"""
         offset = np.asarray(points, dtype=np.float64) - self.target
-        flat = np.stack([offset @ self.right, offset @ self.up], axis=-1)
+        flat = offset @ np.stack([self.right, self.up], axis=1)
+        if self.distance == np.inf:
+            return np.asarray(flat)
         nearness = 1 - (offset @ self.direction) / self.distance
         return np.asarray(flat / nearness[..., None])
 
     def project(self, points: ArrayLike) -> Array:
         """Return the pixels (..., 2), column and row from the top left, of points."""
-        flat = self.on_plane(points) / self.pixel
         width, height = self.size
-        return np.stack([width / 2 + flat[..., 0], height / 2 - flat[..., 1]], axis=-1)
+        flat = self.on_plane(points) * np.array([1, -1]) / self.pixel
+        return np.asarray(flat + np.array([width / 2, height / 2]))
 
 
 def _picture_size(size: object) -> tuple[int, int]:

@@ -134,6 +134,12 @@ class SkinModel:
             *(surface.offset, surface.transmission, surface.internal),
         )
 
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Between which wavelengths the coefficients are known. [nm]"""
+        known = self.coefficients.wavelengths
+        return float(known[0]), float(known[-1])
+
     @cached_property
     def interface(self) -> Interface:
         """The surface that follows from ``specular``."""

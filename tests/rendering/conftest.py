@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from meshes import plane
-from skinviz import Camera, DirectionalLight, Scene, Skin, TorranceSparrow, skin_model
+from skinviz import (
+    Camera,
+    DirectionalLight,
+    Plan,
+    Scene,
+    Skin,
+    TorranceSparrow,
+    skin_model,
+)
 from skinviz.rendering.shade import shade, vertex_xyz
 from skinviz.rendering.stage import stage_of
 from skinviz.skin.model import Parameter
@@ -20,6 +28,7 @@ class Painted:
 
     parameters: tuple[Parameter, ...] = (Parameter("reflectance", "1", 0, 1, "grey"),)
     name: str = "painted"
+    limits: tuple[float, float] = (380.0, 780.0)
 
     @property
     def description(self):
@@ -71,8 +80,9 @@ def xyz_of():
     """Shade a scene and give the XYZ that its colours are made of, with the mesh."""
 
     def run(scene):
-        mesh = shade(scene)
-        stage = stage_of(scene)
+        # Summed over the bands of the radiance itself.
+        plan = Plan(spectrum="scene")
+        mesh, stage = shade(scene, plan), stage_of(scene, plan, whole=True)
         linear = SRGB.linear(vertex_xyz(stage))
         np.testing.assert_array_equal(mesh.point_data["rgb"], SRGB.encode8(linear)[0])
         return vertex_xyz(stage), mesh

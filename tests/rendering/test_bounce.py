@@ -30,7 +30,7 @@ from skinviz import (
 from skinviz.errors import ArgumentError
 from skinviz.rendering.bounce import gather
 from skinviz.rendering.geometry import geometry_of
-from skinviz.rendering.lighting import light_spectra
+from skinviz.rendering.spectral import light_spectra
 from skinviz.rendering.stage import stage_of
 from skinviz.spectra.colorimetry import colour_matching_functions
 from skinviz.surface.torrance_sparrow import TorranceSparrow
@@ -169,12 +169,12 @@ def test_a_lit_cavity_gains_alpha_squared_r_squared(white, cavity):
 @pytest.mark.parametrize("subdivisions", [0, 1, 2, 3])
 def test_a_convex_thing_lights_itself_not_at_all(white, subdivisions):
     scene = diffuse(white, mesh=sphere(40, subdivisions))
-    fields = stage_of(scene).fields
+    fields = stage_of(scene).bands.fields
     assert not fields.values.any()
     mapped = scene.replace(
         skin=Skin(white.skin.model, np.linspace(0, 1, scene.mesh.n_points)[:, None])
     )
-    assert not stage_of(mapped).fields.values.any()
+    assert not stage_of(mapped).bands.fields.values.any()
 
 
 def test_a_convex_thing_looks_the_same_with_and_without(matt):
@@ -191,18 +191,18 @@ def test_a_convex_thing_looks_the_same_with_and_without(matt):
 
 
 def test_a_flat_thing_lights_itself_not_at_all(white):
-    assert not stage_of(diffuse(white, mesh=plane(17))).fields.values.any()
+    assert not stage_of(diffuse(white, mesh=plane(17))).bands.fields.values.any()
 
 
 def test_the_inside_of_a_mesh_throws_no_light(white):
     # A plate under another whose upper side alone is skin.
     roof = moved(plane(5, 60.0), pose(shift=(0, 0, 10)))
     scene = diffuse(white, mesh=joined(plane(5), roof))
-    assert not stage_of(scene).fields.values.any()
+    assert not stage_of(scene).bands.fields.values.any()
 
 
 def test_without_interreflection_there_are_no_fields(white):
-    fields = stage_of(white).fields
+    fields = stage_of(white).bands.fields
     assert fields.values.shape == (white.mesh.n_points, 0)
     assert fields.spectra.shape == (0, white.wavelengths.size)
 
@@ -282,7 +282,7 @@ def test_unlit_skin_that_nothing_lights_is_black_not_negative(matt):
 
 def test_more_rays_come_nearer(valley):
     stages = [stage_of(valley, Plan(bounce_rays=n)) for n in (16, 128, 1024, 16384)]
-    *rough, fine = (stage.fields.values for stage in stages)
+    *rough, fine = (stage.bands.fields.values for stage in stages)
     errors = [np.sqrt(((field - fine) ** 2).mean()) for field in rough]
     assert errors[0] > 2 * errors[1] > 4 * errors[2]
     assert errors[-1] < 0.02 * fine.max()

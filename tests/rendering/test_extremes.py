@@ -18,7 +18,7 @@ from skinviz import (
     shade,
 )
 from skinviz.errors import ArgumentError
-from skinviz.rendering.lighting import light_spectra
+from skinviz.rendering.spectral import light_spectra
 from skinviz.spectra.illuminants import Illuminant
 
 Z, UP = [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]
@@ -125,9 +125,11 @@ def test_a_laser_lights_one_band(scene):
 
 
 def test_light_that_no_eye_sees_has_no_scale(scene):
-    ultraviolet = Illuminant("lamp", [380.0, 390, 400, 780], [1, 1, 0, 0])
-    with pytest.raises(ArgumentError):
-        render(scene.replace(lights=(DirectionalLight(Z, ultraviolet),)))
+    ultraviolet = Illuminant("lamp", [300.0, 370], [1, 1])
+    dark = scene.replace(lights=(DirectionalLight(Z, ultraviolet),))
+    for plan in (None, PLAN, Plan(spectrum="scene")):
+        with pytest.raises(ArgumentError, match="lamp"):
+            render(dark, plan)
 
 
 @pytest.mark.parametrize("bands", [[550.0], [400.0], [700.0], [380, 780], [449.9, 450]])

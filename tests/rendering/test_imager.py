@@ -1,7 +1,6 @@
 """The light of pixels: closed forms, and the identities that its parts obey."""
 
 import dataclasses
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -19,9 +18,8 @@ from skinviz import (
     render,
     shade,
 )
-from skinviz.rendering import trace
-from skinviz.rendering.imager import pixel_colours, pixel_radiance
-from skinviz.rendering.lighting import light_spectra
+from skinviz.rendering import painter, trace
+from skinviz.rendering.spectral import light_spectra
 from skinviz.rendering.stage import stage_of
 
 FLOAT32 = 2.0**-23
@@ -303,38 +301,21 @@ def test_radiance_is_linear_in_the_exposure(ball):
     np.testing.assert_array_equal(other.xyz, np.float32(2.0**40) * one.xyz)
 
 
-def test_each_samples_light_counts_the_same(ball):
+def test_each_samples_light_counts_the_same(ball, monkeypatch):
     # Sixteen pictures of one sample in each cell have the picture of 16 as their mean.
-    stage = stage_of(ball)
-    n = 20 * 16
-    whole = np.zeros((n, 61), dtype=np.float32)
-    pixel_radiance(stage, (0, 0, 20, 16), whole)
-    xyz, covered = pixel_colours(stage, (0, 0, 20, 16))
+    whole = render(ball)
     parts = []
-    for cell in stage.plan.cells:
-        one = dataclasses.replace(stage, plan=OneCell(cell))
-        out = np.zeros((n, 61), dtype=np.float32)
-        pixel_radiance(one, (0, 0, 20, 16), out)
-        parts.append((out, *pixel_colours(one, (0, 0, 20, 16))))
+    for cell in Plan().cells:
+        monkeypatch.setattr(painter, "cells", lambda _, cell=cell: cell[None])
+        one = render(ball, Plan(samples=1))
+        parts.append((one.radiance(), one.xyz, one.covered))
     light, colours, hit = (
         np.array(part, float).sum(axis=0) for part in zip(*parts, strict=True)
     )
-    np.testing.assert_array_equal(hit, covered)
-    np.testing.assert_allclose(whole, light / 16, rtol=1e-6, atol=1e-12)
-    np.testing.assert_allclose(xyz, colours / 16, rtol=1e-6, atol=1e-12)
-
-
-@dataclass(frozen=True)
-class OneCell:
-    """A plan of one sample in a given place."""
-
-    cell: np.ndarray
-    samples: int = 1
-    shadows: bool = True
-
-    @property
-    def cells(self):
-        return self.cell[None]
+    np.testing.assert_array_equal(hit, whole.covered)
+    monkeypatch.undo()
+    np.testing.assert_allclose(whole.radiance(), light / 16, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(whole.xyz, colours / 16, rtol=1e-6, atol=1e-12)
 
 
 # Pigments -----------------------------------------------------------------------
@@ -346,7 +327,7 @@ def test_equal_pigments_everywhere_are_uniform_pigments(matt):
     mapped = uniform.replace(
         skin=Skin(matt.skin.model, np.tile(matt.skin.values, (mesh.n_points, 1)))
     )
-    one, each = render(uniform), render(mapped)
+    one, each = render(uniform, Plan()), render(mapped, Plan())
     np.testing.assert_allclose(one.radiance(), each.radiance(), rtol=1e-6, atol=1e-12)
     np.testing.assert_allclose(one.xyz, each.xyz, rtol=1e-6, atol=1e-12)
     np.testing.assert_array_equal(one.covered, each.covered)

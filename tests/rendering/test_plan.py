@@ -10,6 +10,8 @@ from skinviz import Plan
 from skinviz.errors import ArgumentError
 from skinviz.rendering.plan import SAMPLES
 
+NAMED = ("spectrum", "reflectance", "specular", "shading", "basis", "arithmetic")
+
 
 def test_sixteen_samples_are_the_middles_of_a_grid_of_4_by_4():
     middles = (np.arange(4) + 0.5) / 4
@@ -58,7 +60,8 @@ def test_plans_are_frozen_and_say_what_they_are_as_json():
     plan = Plan(np.int64(4), np.bool(False), np.float64(64))
     assert plan == Plan(4, False, 64)
     told = json.loads(json.dumps(dataclasses.asdict(plan)))
-    assert told == {"samples": 4, "shadows": False, "bounce_rays": 64}
+    assert told | {"samples": 4, "shadows": False, "bounce_rays": 64} == told
+    assert told["findings"] == []
     with pytest.raises(dataclasses.FrozenInstanceError):
         plan.samples = 8
 
@@ -73,8 +76,10 @@ def test_plans_are_frozen_and_say_what_they_are_as_json():
         ({"samples": 5}, "one of 1, 2, 4, 8, 16; got 5"),
         *(
             ({"bounce_rays": rays}, "bounce_rays must be")
-            for rays in (0, 15, 65537, 100.5, np.nan, "many", None, True)
+            for rays in (-1, 1, 15, 65537, 100.5, np.nan, "many", None, True)
         ),
+        *(({name: "best"}, name) for name in NAMED),
+        *(({"refine": limit}, "refine must be") for limit in (-1, np.nan, "much")),
         *(({"shadows": shadows}, "shadows must be") for shadows in ("no", 1, None)),
     ],
 )

@@ -44,7 +44,7 @@ def scene(request, matt):
 
 @pytest.fixture
 def picture(scene):
-    return render(scene, Plan(samples=4, bounce_rays=64))
+    return render(scene, Plan(samples=4, bounce_rays=64, spectrum="scene"))
 
 
 # What agrees --------------------------------------------------------------------
@@ -150,7 +150,9 @@ def test_what_misses_the_mesh_is_dark_and_shows_the_background(picture):
 
 def test_a_picture_is_described_in_json(picture):
     told = json.loads(json.dumps(picture.metadata))
-    assert told["plan"] == {"samples": 4, "shadows": True, "bounce_rays": 64}
+    assert told["plan"]["samples"] == 4
+    assert told["plan"]["spectrum"] == "scene"
+    assert told["plan"]["findings"] == []
     assert told["counts"]["total"] == np.count_nonzero(picture.covered)
     assert told["notes"] == []
     assert told["scene"]["camera"]["size_pixels"] == list(SIZE)

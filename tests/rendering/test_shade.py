@@ -6,10 +6,10 @@ from surface_kinds import SURFACES
 from tolerances import ROUNDING
 
 from meshes import cube, moved, plane, pose, sphere, tetrahedron, toy_hand
-from skinviz import Camera, DirectionalLight, Skin, TorranceSparrow
+from skinviz import Camera, DirectionalLight, Plan, Skin, TorranceSparrow
 from skinviz.errors import ArgumentError, MeshError, SkinvizError
-from skinviz.rendering.lighting import light_spectra
 from skinviz.rendering.shade import shade, vertex_spectrum
+from skinviz.rendering.spectral import light_spectra
 from skinviz.scan.topology import arrays, polydata, vertex_normals
 from skinviz.scene.scene import Scene
 from skinviz.spectra.colorimetry import colour_matching_functions
@@ -542,7 +542,7 @@ def test_white_itself_is_not_over_exposed(white):
 
 
 def test_colours_outside_the_display_are_counted(white):
-    green = shade(white.replace(wavelengths=[510.0]))
+    green = shade(white.replace(wavelengths=[510.0]), Plan(spectrum="scene"))
     assert green.field_data["out_of_gamut"][0] == white.mesh.n_points
     assert shade(white).field_data["out_of_gamut"][0] == 0
 

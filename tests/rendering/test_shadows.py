@@ -193,9 +193,9 @@ def terminator(scene):
     width, height = scene.camera.size
     hits = trace.cast(stage.sight, ONE.cells, np.arange(width * height))
     seen = trace.visibility(
-        *(stage.geometry, stage.lighting, hits.lifted, hits.normals, hits.facets)
+        *(stage.geometry, stage.bands.lighting, hits.lifted, hits.normals, hits.facets)
     )[0]
-    light = stage.lighting.lights[0]
+    light = stage.bands.lighting.lights[0]
     towards = light[:3, None] - light[3] * hits.points
     cosine = (hits.normals * towards).sum(axis=0) / np.linalg.norm(towards, axis=0)
     return cosine, seen.astype(bool)
@@ -295,7 +295,7 @@ def test_no_light_leaks_through_the_edges_of_a_fine_roof(white):
     at = floor_only.geometry.centre[:, None] + floor_only.geometry.scale * hits.lifted
     lifted = (at - stage.geometry.centre[:, None]) / stage.geometry.scale
     seen = trace.visibility(
-        *(stage.geometry, stage.lighting, lifted, hits.normals, hits.facets)
+        *(stage.geometry, stage.bands.lighting, lifted, hits.normals, hits.facets)
     )
     assert hits.pixels.size > 1000
     assert not seen.any()

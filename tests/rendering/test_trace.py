@@ -269,14 +269,14 @@ def test_shadows_are_what_brute_force_finds(white, what, name):
     stage = stage_of(scene, Plan(samples=1))
     hits, _ = cast(stage)
     flat = np.zeros_like(hits.facets)  # rays start at ``lifted``, no higher
-    seen = (stage.geometry, stage.lighting, hits.lifted, hits.normals)
+    seen = (stage.geometry, stage.bands.lighting, hits.lifted, hits.normals)
     visible = trace.visibility(*seen, flat)[0]
     # A triangle's own shadow is lifted where the smooth surface faces the light.
-    turned = (hits.facets.T * stage.lighting.lights[0, :3]).sum(axis=1) >= 0
-    if not stage.lighting.lights[0, 3]:
+    turned = (hits.facets.T * stage.bands.lighting.lights[0, :3]).sum(axis=1) >= 0
+    if not stage.bands.lighting.lights[0, 3]:
         raised = trace.visibility(*seen, hits.facets)[0]
         np.testing.assert_array_equal(raised[turned], visible[turned])
-    light = stage.lighting.lights[0]
+    light = stage.bands.lighting.lights[0]
     towards = light[:3] - light[3] * hits.lifted.T
     length = np.linalg.norm(towards, axis=1)
     directions = towards / length[:, None]

@@ -1,0 +1,236 @@
+"""``plan``: the cheapest way to a picture that keeps a colour tolerance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from skinviz._threads import processors
+from skinviz._validate import in_range
+from skinviz.rendering.finding import Finding
+from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.knobs import KNOBS, Knob, Setting, sampling
+from skinviz.rendering.knobs.knob import MS
+from skinviz.rendering.pilot import pilot_of
+from skinviz.rendering.plan import Plan
+from skinviz.rendering.rates import Rates, machine_rates
+from skinviz.rendering.stage import Stage, stage_of
+from skinviz.rendering.trial import Trial
+from skinviz.rendering.work import Work, work_of
+from skinviz.scene.scene import Scene
+
+TIGHTEST, LOOSEST = 0.01, 100.0
+"""Tolerances that may be asked for. [ΔE00]"""
+
+_PILOT_RAYS = 6e4  # that a pilot casts, with its shadows and its neighbours
+_PILOT_FIXED = 4.0  # ms, whatever the scene
+_FEW_RAYS: Setting = {"samples": 1, "refine": 8.0}  # that may do, in the end
+_NEVER = 1e6  # a contrast that no pixel has
+_WORTH = 0.5  # of what could be saved, that finding out may cost
+
+
+def plan(
+    scene: Scene, tolerance: float = 1.0, *, geometry: Geometry | None = None
+) -> Plan:
+    """Return the cheapest way to compute a scene's picture that keeps a tolerance.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be shown.
+    tolerance : float
+        What the 99th percentile of the colour differences to the reference may be:
+        over the pixels that the mesh fills, and at edges where it is at least 2. The
+        reference is ``Plan()``. [ΔE00], 0.01 to 100
+    geometry : Geometry, optional
+        Of the scene's mesh, where it is at hand from :func:`geometry_of`.
+
+    Returns
+    -------
+    plan : Plan
+        To be given to :func:`render`; ``plan.explain()`` says what it leaves out,
+        what that changes and what it saves.
+
+    Raises
+    ------
+    ArgumentError
+        If the tolerance is outside its range.
+    MeshError
+        If the mesh cannot be shown.
+
+    Notes
+    -----
+    Each choice is priced on some two thousand pixels of this scene, drawn evenly over
+    what is seen and apart at its edges, by a bound that the 99th percentile exceeds
+    in one case of a thousand. Where finding out would cost more than it could save,
+    the reference's way is kept.
+    """
+    return planned(stage_of(scene, Plan(), geometry), tolerance).plan
+
+
+def planned(stage: Stage, tolerance: float) -> Stage:
+    """Return a stage of the reference with the cheapest plan that keeps a tolerance."""
+    in_range(tolerance, TIGHTEST, LOOSEST, "tolerance", "ΔE00")
+    work, rates = work_of(stage), machine_rates()
+    search = _Search(stage, tolerance, work, rates)
+    if search.most_saved() > search.pilot_cost / _WORTH:
+        search.decide()
+    return search.result()
+
+
+@dataclass
+class _Search:
+    """The choices made so far, of one stage and tolerance."""
+
+    reference: Stage
+    tolerance: float
+    work: Work
+    rates: Rates
+
+    def __post_init__(self) -> None:
+        """Begin at the reference."""
+        self.base = self.stage = self.reference
+        self.left = self.tolerance
+        self.found: dict[str, tuple[float | None, str, float | None]] = {}
+
+    @property
+    def pilot_cost(self) -> float:
+        """What a pilot takes, about. [ms]"""
+        rates = self.rates
+        each = rates.ray + self.work.lights * (rates.shadow + rates.point + rates.index)
+        return _PILOT_FIXED + _PILOT_RAYS * each * MS / processors()
+
+    def cost(self, plan: Plan) -> float:
+        """Return what a plan takes, about. [ms]"""
+        each = sum(knob.cost(plan, self.work, self.rates) for knob in KNOBS)
+        return each * MS / processors()
+
+    def most_saved(self) -> float:
+        """Return what the cheapest levels of all knobs would save together. [ms]"""
+        cheapest: dict[str, Any] = {}
+        for knob in KNOBS:
+            cheapest |= knob.levels(self.work)[0]
+        plan = self.reference.plan
+        return self.cost(plan) - self.cost(plan.replace(**{**cheapest, **_FEW_RAYS}))
+
+    def decide(self) -> None:
+        """Decide knob by knob, those first that others are computed with."""
+        pilot = pilot_of(self.reference)
+        if pilot.filled.pixels.size == 0:
+            return
+        self.work = Work(self.reference, pilot.share, {})
+        trial = Trial(pilot, self.base, self.stage)
+        for knob in KNOBS:
+            if knob is sampling.KNOB:
+                trial = self._sample(trial)
+            elif knob.measure is not None and len(knob.levels(self.work)) > 1:
+                trial = self._decide(knob, trial)
+
+    def _decide(self, knob: Knob, trial: Trial) -> Trial:
+        """Choose a knob's level, and return the trial with it."""
+        *levels, exact = knob.levels(self.work)
+        dearest = self._least(exact)
+        allowed = self.left if knob.share is None else knob.share * self.tolerance
+        told: tuple[str, float | None] = ("", None)
+        for level in sorted(levels, key=self._least):
+            if self._least(level) > dearest - self.trial_cost:
+                break
+            difference = knob.measure(trial, level)  # type: ignore[misc]
+            if difference <= allowed and trial.edges_bear(level, allowed):
+                return self._choose(knob, level, difference, told, trial)
+            told = (knob.told(self.stage.plan.replace(**level)), difference)
+        self.found[knob.name] = (None if told[1] is None else 0.0, *told)
+        return trial
+
+    def _least(self, level: Setting) -> float:
+        """Return what a level may cost when few samples will be taken. [ms]"""
+        return self.cost(self.stage.plan.replace(**{**_FEW_RAYS, **level}))
+
+    @property
+    def trial_cost(self) -> float:
+        """What it takes to find out about a level, about. [ms]"""
+        return self.pilot_cost / 4
+
+    def _sample(self, trial: Trial) -> Trial:
+        """Choose how many rays pixels have: the cheapest that suffices."""
+        best: tuple[float, Setting, float] | None = None
+        told: tuple[str, float | None] = ("", None)
+        plan = self.stage.plan
+        *levels, exact = sampling.KNOB.levels(self.work)
+        most = self.cost(plan.replace(**exact))
+        for level in levels:
+            samples, enough = level["samples"], best[0] if best else most
+            if not self._surveyed(samples):
+                even = self.cost(plan.replace(samples=samples, refine=_NEVER))
+                if even > enough - self.trial_cost:
+                    break
+                self._survey(trial, samples)
+            cost = self.cost(plan.replace(**level))
+            if cost >= enough:
+                continue
+            difference = trial.sampling_difference(level)
+            if difference <= self.left:
+                best = (cost, level, difference)
+            else:
+                told = (sampling.KNOB.told(plan.replace(**level)), difference)
+        if best is None:
+            self.found[sampling.KNOB.name] = (0.0, *told)
+            return trial
+        return self._choose(sampling.KNOB, best[1], best[2], told, trial)
+
+    def _choose(
+        self,
+        knob: Knob,
+        level: Setting,
+        difference: float,
+        refused: tuple[str, float | None],
+        trial: Trial,
+    ) -> Trial:
+        """Take a level, and return the trial with it."""
+        self.stage = self.stage.replanned(**level)
+        if knob.share is not None:
+            self.base = self.base.replanned(**level)
+            self.left -= difference
+            self.found[knob.name] = (difference, *refused)
+            return Trial(trial.pilot, self.base, self.stage)
+        alone = difference
+        if trial.stage is not trial.base:
+            alone = knob.measure(trial.after(trial.base), level)  # type: ignore[misc]
+        self.found[knob.name] = (alone, *refused)
+        return trial.after(self.stage)
+
+    def _surveyed(self, samples: int) -> bool:
+        """Return whether it is known how many pixels would be refined."""
+        return (samples, sampling.CONTRASTS[0]) in self.work.rough
+
+    def _survey(self, trial: Trial, samples: int) -> None:
+        """Count which pixels would be refined that have so many samples."""
+        rough = trial.rough(samples)
+        rough = rough[rough < float("inf")]
+        for contrast in sampling.CONTRASTS:
+            share = float((rough > contrast).mean()) if rough.size else 0.0
+            self.work.rough[samples, contrast] = share
+        self.work.rough[samples, _NEVER] = 0.0
+
+    def result(self) -> Stage:
+        """Return the stage with its plan, and what was found in it."""
+        plan = self.stage.plan
+        findings = tuple(self._finding(knob, plan) for knob in KNOBS)
+        return self.stage.replanned(tolerance=self.tolerance, findings=findings)
+
+    def _finding(self, knob: Knob, plan: Plan) -> Finding:
+        """Return what was found of one knob."""
+        exact = plan.replace(**knob.levels(self.work)[-1])
+        if knob.name == "basis":
+            exact = plan.replace(basis="points")
+        difference, refused, changed = self.found.get(knob.name, (None, "", None))
+        beyond = knob.beyond(plan)
+        return Finding(
+            knob.name,
+            knob.told(plan),
+            beyond,
+            difference if beyond else 0.0,
+            max(self.cost(exact) - self.cost(plan), 0.0),
+            refused,
+            changed,
+        )

@@ -1,0 +1,163 @@
+"""What it means that a picture keeps a tolerance, and how a sample can show it.
+
+Compared are linear XYZ after exposure, before display encoding, Y clipped at 1 by
+scaling, as ΔE00 with the perfect diffuser under light 1 as the white. The pixels are
+those that all sixteen rays of the reference fill with lit skin, and apart from them
+those at edges, which some rays miss.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.rendering.plan import MOST_SAMPLES
+from skinviz.spectra.colorimetry import delta_e_2000, xyz_to_lab
+
+Array = NDArray[np.float64]
+
+FEW = 1000
+"""Filled pixels below which the largest difference counts, not a percentile."""
+
+_SHARE = 0.01  # of pixels, that may differ by more: the 99th percentile
+_DOUBT = 0.001  # that a bound from a sample is too low
+_EDGE = 2.0  # ΔE00 that edges are always allowed
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How a picture differs from the reference. ΔE00 throughout.
+
+    Attributes
+    ----------
+    filled, edge : float
+        99th percentile over filled and over edge pixels, 0 where there are none; the
+        largest where ``few``.
+    most_filled, most_edge : float
+        Largest over them.
+    n_filled, n_edge : int
+        How many pixels these are.
+    unlit : float
+        Share of the pixels filled with skin that no light reaches. [1]
+    """
+
+    filled: float
+    edge: float
+    most_filled: float
+    most_edge: float
+    n_filled: int
+    n_edge: int
+    unlit: float
+
+    def kept(self, tolerance: float) -> bool:
+        """Return whether this tolerance is kept. [ΔE00]"""
+        few = self.n_filled < FEW
+        filled, edge = (
+            (self.most_filled, self.most_edge) if few else (self.filled, self.edge)
+        )
+        return filled <= tolerance and edge <= edge_allowance(tolerance)
+
+
+def colour_differences(xyz: Array, reference: Array, white: Array) -> Array:
+    """Return ΔE00 (n,) of XYZ (n, 3), clipped at Y = 1 by scaling.
+
+    ``white`` (3,) is the perfect diffuser under light 1; equal energy stands for it
+    where its X or Z is below 0.01 Y.
+    """
+    if min(white[0], white[2]) < 0.01 * white[1]:
+        white = np.full(3, white[1])
+    return delta_e_2000(
+        xyz_to_lab(_clipped(xyz), white), xyz_to_lab(_clipped(reference), white)
+    )
+
+
+def edge_allowance(tolerance: float) -> float:
+    """Return what edge pixels may differ by where others may by ``tolerance``."""
+    return max(tolerance, _EDGE)
+
+
+def compare(
+    xyz: NDArray[np.floating],
+    reference: NDArray[np.floating],
+    covered: NDArray[np.uint8],
+    white: Array,
+) -> Difference:
+    """Return how a picture differs from the reference picture of the same scene.
+
+    Parameters
+    ----------
+    xyz, reference : (..., 3) ndarray
+        Both pictures.
+    covered : (...) ndarray
+        How many of the reference's sixteen rays hit the mesh.
+    white : (3,) ndarray
+        The perfect diffuser under light 1.
+    """
+    hits = np.ravel(covered)
+    ours = np.reshape(xyz, (-1, 3)).astype(np.float64)
+    true = np.reshape(reference, (-1, 3)).astype(np.float64)
+    full = hits == MOST_SAMPLES
+    lit = true[:, 1] > 0
+    edges = (hits > 0) & ~full
+    filled = colour_differences(ours[full & lit], true[full & lit], white)
+    edge = colour_differences(ours[edges], true[edges], white)
+    return Difference(
+        _percentile(filled),
+        _percentile(edge),
+        float(filled.max(initial=0.0)),
+        float(edge.max(initial=0.0)),
+        filled.size,
+        edge.size,
+        1 - filled.size / max(int(full.sum()), 1),
+    )
+
+
+def percentile_bound(differences: Array, *, all_of_them: bool = False) -> float:
+    """Return what the 99th percentile is below, with 99.9 % confidence.
+
+    Parameters
+    ----------
+    differences : (n,) ndarray
+        Of pixels drawn at random, or of all.
+    all_of_them : bool
+        Whether they are all there are: then the largest counts.
+
+    Returns
+    -------
+    bound : float
+        The order statistic that the percentile exceeds with a chance below 0.001;
+        ``inf`` where the sample is too small to tell.
+    """
+    n = differences.size
+    if all_of_them:
+        return float(differences.max(initial=0.0))
+    spare = _spare(n)
+    if spare < 0:
+        return np.inf
+    return float(np.partition(differences, n - 1 - spare)[n - 1 - spare])
+
+
+@lru_cache
+def _spare(n: int) -> int:
+    """Return how many of ``n`` draws may exceed a value that is then a bound; or -1."""
+    from scipy.special import bdtr
+
+    spare = -1
+    while spare + 1 < n and bdtr(spare + 1, n, _SHARE) <= _DOUBT:
+        spare += 1
+    return spare
+
+
+def _percentile(differences: Array) -> float:
+    """Return the 99th percentile, 0 of nothing."""
+    if differences.size == 0:
+        return 0.0
+    return float(np.percentile(differences, 100 * (1 - _SHARE)))
+
+
+def _clipped(xyz: Array) -> Array:
+    """Return XYZ with Y scaled down to 1 where it is above."""
+    return xyz / np.maximum(xyz[..., 1:2], 1.0)

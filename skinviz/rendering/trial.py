@@ -1,0 +1,187 @@
+"""What a change of plan does to the colours of a pilot: the price of a knob."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.errors import ArgumentError
+from skinviz.rendering.painter import Painter
+from skinviz.rendering.pilot import Pilot, point_colours
+from skinviz.rendering.plan import MOST_SAMPLES
+from skinviz.rendering.stage import Stage
+
+Array = NDArray[np.float64]
+Setting = Mapping[str, Any]
+
+_BOUNCE_PIXELS = 750  # enough for a bound
+_BOUNCE_RAYS = 64  # by which fewer are judged
+_GAIN = 2.0  # by which four times as many rays are surely better
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A pilot, and a stage whose plan is to be changed.
+
+    Attributes
+    ----------
+    pilot : Pilot
+        The pixels that are looked at.
+    base : Stage
+        What is compared with: the reference, but for what was decided before and has
+        its share of the tolerance.
+    stage : Stage
+        With all that was decided before.
+    """
+
+    pilot: Pilot
+    base: Stage
+    stage: Stage
+
+    @cached_property
+    def truth(self) -> Array:
+        """XYZ of every ray (k, 16, 3) of the filled pixels, as the base has it."""
+        return self.pilot.filled.colours(Painter(self.base))
+
+    @cached_property
+    def own(self) -> Array:
+        """The same as the stage has it."""
+        if self.stage is self.base:
+            return self.truth
+        return self.pilot.filled.colours(Painter(self.stage))
+
+    @cached_property
+    def edge_truth(self) -> Array:
+        """XYZ of the edge pixels (k, 3), as the base has it."""
+        return np.asarray(self.pilot.edges.colours(Painter(self.base)).mean(axis=1))
+
+    def after(self, stage: Stage) -> Trial:
+        """Return the trial of a stage on which more was decided."""
+        trial = Trial(self.pilot, self.base, stage)
+        for name in ("truth", "edge_truth"):  # which the base alone decides
+            if name in self.__dict__:
+                trial.__dict__[name] = self.__dict__[name]
+        return trial
+
+    def edges_bear(self, setting: Setting, tolerance: float) -> bool:
+        """Return whether edge pixels differ by no more than they may with a setting.
+
+        Those have all samples, whatever the sampling.
+        """
+        if "samples" in setting or self.pilot.edges.pixels.size == 0:
+            return True
+        painter = Painter(self.stage.replanned(**setting))
+        own = self.pilot.edges.colours(painter).mean(axis=1)
+        return self.pilot.edges_kept(own, self.edge_truth, tolerance)
+
+    def difference(self, setting: Setting) -> float:
+        """Return a bound on what a setting changes in filled pixels. [ΔE00]"""
+        painter = Painter(self.stage.replanned(**setting))
+        changed = self.pilot.filled.colours(painter)
+        return self.pilot.judge(changed.mean(axis=1), self._true_means)
+
+    def body_difference(self, setting: Setting) -> float:
+        """Return a bound on what another reflectance or its sum changes. [ΔE00]
+
+        Judged by one ray of each pixel, without light between parts, against the
+        model at every nanometre.
+        """
+        painter = Painter(self.stage.replanned(**setting, bounce_rays=0))
+        try:
+            changed = point_colours(painter, self.pilot.one_each)
+        except ArgumentError:  # bands that one of the lamps does not cover
+            return float("inf")
+        return self.pilot.judge(changed, self._exact_body)
+
+    @cached_property
+    def _exact_body(self) -> Array:
+        """XYZ of one ray of each filled pixel, without light between parts."""
+        painter = Painter(self.pilot.stage.replanned(bounce_rays=0))
+        return point_colours(painter, self.pilot.one_each)
+
+    def bounce_difference(self, setting: Setting) -> float:
+        """Return a bound on what fewer rays between parts change. [ΔE00]
+
+        Judged by one ray of some pixels, and vertices that look in 64 directions: the
+        many of the reference would cost as much as the picture.
+        """
+        n = setting["bounce_rays"]
+        if n >= _BOUNCE_RAYS:  # by the sixteen's error, which falls at least as 1/√n
+            return self._gathered_difference(16) / _GAIN
+        return self._gathered_difference(n)
+
+    def _gathered_difference(self, n_rays: int) -> float:
+        """Return a bound on what ``n_rays`` change against 64. [ΔE00]"""
+        reference = self._gathered(_BOUNCE_RAYS)
+        return self.pilot.judge(self._gathered(n_rays), reference)
+
+    def _gathered(self, n_rays: int) -> Array:
+        """Return XYZ (k, 3) of one ray of some pixels with so many rays a vertex."""
+        if n_rays in self._found:
+            return self._found[n_rays]
+        hits = self._some
+        wanted = np.zeros(len(self.stage.geometry.points), dtype=np.bool_)
+        wanted[self.stage.geometry.faces[hits.triangles]] = True
+        stage = self.stage.only_at(wanted).replanned(bounce_rays=n_rays)
+        self._found[n_rays] = point_colours(Painter(stage), hits)
+        return self._found[n_rays]
+
+    @cached_property
+    def _some(self) -> Any:
+        """One ray of some of the filled pixels."""
+        hits = self.pilot.one_each
+        few = min(_BOUNCE_PIXELS, hits.rays.size)
+        if self.pilot.complete:
+            few = hits.rays.size
+        which = np.linspace(0, hits.rays.size - 1, few).astype(np.int64)
+        return hits.part(which)
+
+    def sampling_difference(self, setting: Setting) -> float:
+        """Return a bound on what fewer samples change in filled pixels. [ΔE00]"""
+        samples, refine = setting["samples"], setting["refine"]
+        if samples == MOST_SAMPLES:
+            return self.pilot.judge(self._own_means(MOST_SAMPLES), self._true_means)
+        rough = self.rough(samples) > refine
+        few, all_of_them = self._own_means(samples), self._own_means(MOST_SAMPLES)
+        changed = np.where(rough[:, None], all_of_them, few)
+        return self.pilot.judge(changed, self._true_means)
+
+    @cached_property
+    def _true_means(self) -> Array:
+        """XYZ (k, 3) of the filled pixels, as the base has it."""
+        return np.asarray(self.truth.mean(axis=1))
+
+    def _own_means(self, samples: int) -> Array:
+        """Return XYZ (k, 3) of the filled pixels by so many samples of the stage."""
+        if samples not in self._means:
+            self._means[samples] = self.own[:, :samples].mean(axis=1)
+        return self._means[samples]
+
+    @cached_property
+    def _means(self) -> dict[int, Array]:
+        """Means found so far, by samples."""
+        return {}
+
+    def rough(self, samples: int) -> Array:
+        """Return the contrast of each filled pixel, ``inf`` where an outline is."""
+        if samples not in self._rough:
+            contrast = self.pilot.contrasts(Painter(self.stage), self.own, samples)
+            outlined = self.pilot.stage.sight.outlines.ravel()
+            contrast[outlined[self.pilot.filled.pixels]] = np.inf
+            self._rough[samples] = contrast
+        return self._rough[samples]
+
+    @cached_property
+    def _rough(self) -> dict[int, Array]:
+        """Contrasts found so far, by samples."""
+        return {}
+
+    @cached_property
+    def _found(self) -> dict[int, Array]:
+        """Colours with light between parts found so far, by rays a vertex."""
+        return {}
