@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 HAND_LENGTH = (140.0, 230.0)
 """Wrist to fingertip of adults, from the 1st to the 99th percentile. [mm]"""
 
+_FARTHEST = 1e12  # mm; map coordinates on earth are below 1e11
+
 _ACCEPTED = (80.0, 600.0)  # a child's hand; an adult's with the forearm
 
 
@@ -37,13 +39,31 @@ def require_triangles(mesh: pyvista.PolyData, source: str) -> tuple[Points, Face
             f"{source}: a face names point {faces.max()} of {len(points)}; the file is "
             "broken"
         )
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    return require_coordinates(points, source), faces
+
+
+def require_coordinates(points: Points, source: str) -> Points:
+    """Return points (..., 3) or say which is no place that a scanner sees."""
+    finite = np.isfinite(points).reshape(-1, 3).all(axis=1)
+    bad = np.flatnonzero(~finite)
     if bad.size:
         raise MeshError(
             f"{source}: point {bad[0]} is not finite ({bad.size} in all); remove "
             "such points in the program that wrote the file"
         )
-    return points, faces
+    far = np.flatnonzero((np.abs(points) > _FARTHEST).reshape(-1, 3).any(axis=1))
+    if far.size:
+        raise MeshError(
+            f"{source}: point {far[0]} lies more than {_FARTHEST:g} mm away "
+            f"({far.size} in all); the file is broken or its unit is another"
+        )
+    return points
+
+
+def to_millimetres(points: Points, scale: float, source: str) -> Points:
+    """Return points (..., 3) scaled, or say which is no place that a scanner sees."""
+    with np.errstate(over="ignore"):  # what overflows is refused
+        return require_coordinates(points * scale, source)
 
 
 def require_hand_size(points: Points, source: str) -> None:

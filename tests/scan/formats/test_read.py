@@ -52,7 +52,7 @@ def test_junk_is_refused_by_name(tmp_path, suffix, kind):
         read_scan(file, "mm")
 
 
-@pytest.mark.parametrize("name", ["hand.xyzzy", "hand", "hand.pts", "hand.ply.gz"])
+@pytest.mark.parametrize("name", ["hand.xyzzy", "hand", "hand.las", "hand.ply.gz"])
 def test_an_unknown_suffix_lists_the_known_ones(tmp_path, name):
     (tmp_path / name).write_text("something")
     with pytest.raises(MeshError, match=rf"{name}.*no reader.*\.conf.*\.vtp"):
