@@ -87,7 +87,8 @@ def _towards(
     """Return the part of each face's vector that points to where the rays meet."""
     rays = eye - points[faces].mean(axis=1)
     length = np.linalg.norm(rays, axis=1)
-    return np.einsum("ij,ij->i", vectors, rays) / np.where(length > 0, length, 1)
+    along = np.einsum("ij,ij->i", vectors, rays)
+    return np.asarray(along / np.where(length > 0, length, 1))
 
 
 def drop_islands(n_points: int, faces: Faces, min_faces: int) -> Faces:
