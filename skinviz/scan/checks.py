@@ -62,8 +62,9 @@ def require_coordinates(points: Points, source: str) -> Points:
 
 def to_millimetres(points: Points, scale: float, source: str) -> Points:
     """Return points (..., 3) scaled, or say which is no place that a scanner sees."""
-    with np.errstate(over="ignore"):  # what overflows is refused
-        return require_coordinates(points * scale, source)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused
+        placed = np.multiply(points, scale, dtype=np.float64)
+    return require_coordinates(placed, source)
 
 
 def require_hand_size(points: Points, source: str) -> None:

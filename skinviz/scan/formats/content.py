@@ -12,6 +12,7 @@ import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -164,6 +165,13 @@ def flat_lists(lists: Sequence[Sequence[int]]) -> NDArray[np.int64]:
     """Return the numbers of all lists, one list after the other."""
     total = sum(map(len, lists))
     return np.fromiter(itertools.chain.from_iterable(lists), np.int64, total)
+
+
+def as_indices(values: NDArray[Any], where: str) -> NDArray[np.int64]:
+    """Return numbers of points as int64, or say that they are none."""
+    if values.dtype.kind == "f" or (values.size and values.max() > _LARGEST):
+        raise MeshError(f"{where}: points are named by what are no whole numbers")
+    return values.astype(np.int64)
 
 
 def shown(text: str) -> str:

@@ -47,8 +47,8 @@ def columns(
     try:
         if element is None:
             raise KeyError("vertex")
-        return np.stack(
-            [np.asarray(element.scalars[k], dtype=np.float64) for k in names], axis=1
-        )
+        found = [element.scalars[name] for name in names]
     except KeyError as error:
         raise MeshError(f"{path}: no vertices with x, y and z") from error
+    with np.errstate(invalid="ignore"):  # NaN is refused by who needs a number
+        return np.stack([values.astype(np.float64) for values in found], axis=1)

@@ -16,7 +16,12 @@ from numpy.typing import NDArray
 from skinviz._files import existing_file, whole_file
 from skinviz.errors import MeshError
 from skinviz.scan.checks import to_millimetres
-from skinviz.scan.formats.content import UNIT_COMMENT, read_lines, stated_unit
+from skinviz.scan.formats.content import (
+    UNIT_COMMENT,
+    as_indices,
+    read_lines,
+    stated_unit,
+)
 from skinviz.scan.formats.ply import Ply, read_ply
 from skinviz.scan.formats.ply import columns as ply_columns
 from skinviz.scan.formats.ply_header import Element
@@ -71,7 +76,7 @@ def _cells(
     lists = next(iter(cells.lists.values()))
     filled = np.flatnonzero(lists.counts)
     first = (np.cumsum(lists.counts) - lists.counts)[filled]
-    index = lists.values[first].astype(np.int64)
+    index = as_indices(lists.values[first], str(path))
     wrong = index[(index < 0) | (index >= n_points)]
     if wrong.size:
         raise MeshError(f"{path}: a grid cell names vertex {wrong[0]} of {n_points}")
@@ -93,7 +98,10 @@ def read_conf(path: Path, unit: str | None) -> Scan:
                 f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got "
                 f"{len(words) - 1} values"
             )
-        file = existing_file(path.parent / name, MeshError)
+        try:
+            file = existing_file(path.parent / name, MeshError)
+        except MeshError as error:
+            raise MeshError(f"{where}: {error}") from error
         ply = read_ply(file)
         if not is_range_grid(ply):
             raise MeshError(f"{file}: has no range_grid, which {where} expects")
@@ -165,11 +173,12 @@ def _pose(words: list[str], scale: float, where: str) -> NDArray[np.float64]:
         numbers = np.array([float(word) for word in words])
     except ValueError as error:
         raise MeshError(f"{where}: {error}") from error
-    if not np.isfinite(numbers).all() or not np.linalg.norm(numbers[3:]) > 0.5:
-        raise MeshError(f"{where}: the pose is not finite or its quaternion is zero")
+    shift = to_millimetres(numbers[:3], scale, where)
+    if not 0.25 < np.abs(numbers[3:]).max() < 100:
+        raise MeshError(f"{where}: the quaternion is not finite or far from length 1")
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_quat(numbers[3:]).inv().as_matrix()
-    pose[:3, 3] = scale * numbers[:3]
+    pose[:3, 3] = shift
     return pose
 
 

@@ -36,7 +36,8 @@ def _binary(content: bytes, path: Path) -> Points | None:
     count = int.from_bytes(content[80:_HEAD], "little")
     if len(content) == _HEAD + count * _TRIANGLE.itemsize:
         rows = np.frombuffer(content, _TRIANGLE, count, _HEAD)
-        return rows["corners"].reshape(-1, 3).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # NaN is refused with the other points
+            return rows["corners"].reshape(-1, 3).astype(np.float64)
     if content.lstrip()[:5].lower() == b"solid" and b"\0" not in content:
         return None
     room = max(len(content) - _HEAD, 0) / _TRIANGLE.itemsize

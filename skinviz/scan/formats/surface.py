@@ -14,7 +14,7 @@ from skinviz.errors import MeshError
 from skinviz.scan import topology
 from skinviz.scan.checks import require_triangles, to_millimetres
 from skinviz.scan.formats.cloud import cloud_from_ply
-from skinviz.scan.formats.content import UNIT_COMMENT, stated_unit
+from skinviz.scan.formats.content import UNIT_COMMENT, as_indices, stated_unit
 from skinviz.scan.formats.ply import Ply, columns
 from skinviz.scan.formats.ply_header import Lists
 from skinviz.scan.scan import Scan, scale_to_millimetres
@@ -66,7 +66,7 @@ def welded(
 
 def fan(polygons: Lists, n_points: int, where: str) -> topology.Faces:
     """Return polygons, each cut into triangles (m, 3) at its first corner."""
-    counts, flat = polygons.counts, polygons.values.astype(np.int64)
+    counts, flat = polygons.counts, as_indices(polygons.values, where)
     if flat.size == 0 or counts.min() < 3:
         raise MeshError(f"{where}: a face has fewer than three points")
     wrong = flat[(flat < 0) | (flat >= n_points)]

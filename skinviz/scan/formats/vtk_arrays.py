@@ -121,6 +121,8 @@ class ArrayReader:
         n_blocks, block, last = self._sizes(source.peek(3 * size), 3)
         if n_blocks * size > source.room:
             raise BrokenArrayError("an array has more blocks than the file has bytes")
+        if n_blocks == 0:
+            return b""
         whole = n_blocks - (1 if last else 0)
         self._require_room(whole * block + last, self.room)
         head = source.take((3 + n_blocks) * size)

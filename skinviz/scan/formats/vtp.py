@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from skinviz.errors import MeshError
 from skinviz.scan import topology
 from skinviz.scan.checks import require_triangles, to_millimetres
-from skinviz.scan.formats.content import read_bytes, shown
+from skinviz.scan.formats.content import as_indices, read_bytes, shown
 from skinviz.scan.formats.ply_header import Lists
 from skinviz.scan.formats.surface import UNIT_FIELD, fan
 from skinviz.scan.formats.vtk_arrays import ArrayReader, BrokenArrayError
@@ -58,7 +58,7 @@ def _read(path: Path, unit: str | None) -> pyvista.PolyData:
     fields = _data(root.find("PolyData/FieldData"), arrays)
     named = fields.get(UNIT_FIELD)
     scale = scale_to_millimetres(unit, str(path), None if named is None else str(named))
-    placed = to_millimetres(points.astype(np.float64), scale, str(path))
+    placed = to_millimetres(points, scale, str(path))
     mesh = topology.polydata(placed, faces)
     require_triangles(mesh, str(path))
     _attach(mesh.point_data, _data(piece.find("PointData"), arrays), n_points)
@@ -118,8 +118,8 @@ def _faces(
     piece: _Xml, arrays: ArrayReader, n_points: int, path: Path
 ) -> tuple[topology.Faces, bool]:
     """Return the triangles (m, 3), and whether they are all of the file's cells."""
-    polygons = _cells(piece, arrays, "Polys")
-    strips = _cells(piece, arrays, "Strips")
+    polygons = _cells(piece, arrays, "Polys", path)
+    strips = _cells(piece, arrays, "Strips", path)
     found = []
     if polygons.counts.size:
         found.append(fan(polygons, n_points, str(path)))
@@ -136,7 +136,7 @@ def _faces(
     return np.concatenate(found), bool(plain)
 
 
-def _cells(piece: _Xml, arrays: ArrayReader, kind: str) -> Lists:
+def _cells(piece: _Xml, arrays: ArrayReader, kind: str, path: Path) -> Lists:
     """Return the cells of a kind as lists of points."""
     stored = {a.get("Name"): a for a in piece.findall(f"{kind}/DataArray")}
     count = _stated(piece, f"NumberOf{kind}")
@@ -144,8 +144,8 @@ def _cells(piece: _Xml, arrays: ArrayReader, kind: str) -> Lists:
         return Lists(np.zeros(0, np.int64), np.zeros(0, np.int64))
     if not {"connectivity", "offsets"} <= set(stored):
         raise BrokenArrayError(f"{kind} without connectivity and offsets")
-    flat = arrays.read(stored["connectivity"]).astype(np.int64).reshape(-1)
-    ends = arrays.read(stored["offsets"]).astype(np.int64).reshape(-1)
+    flat = as_indices(arrays.read(stored["connectivity"]).reshape(-1), str(path))
+    ends = as_indices(arrays.read(stored["offsets"]).reshape(-1), str(path))
     counts = np.diff(ends, prepend=0)
     if ends.size != count or counts.min() < 0 or ends[-1] != flat.size:
         raise BrokenArrayError(f"its {kind} are not the {count} that it states")
