@@ -21,6 +21,10 @@ MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "inch": 25.4}
 """Length of each accepted unit. [mm]"""
 
 
+class MissingUnitError(MeshError):
+    """Neither the file nor its reader's caller says what unit its lengths have."""
+
+
 @dataclass(frozen=True)
 class RangeView:
     """One view of a range scanner: a grid of points and where it was taken.
@@ -121,7 +125,7 @@ def scale_to_millimetres(
         )
     unit = given if given is not None else stated
     if unit is None:
-        raise MeshError(
+        raise MissingUnitError(
             f"{source}: the format states no unit of length; say it with "
             f"unit= or --unit ({', '.join(MILLIMETRES)})"
         )

@@ -135,8 +135,8 @@ def table(
             ndmin=2,
             usecols=None if first is None else range(first),
         )
-        if columns not in (None, values.shape[1]):
-            raise ValueError(f"{columns} columns expected")
+        if len(values) != len(lines) or columns not in (None, values.shape[1]):
+            raise ValueError("a line is empty, or has another number of columns")
     except (ValueError, OverflowError) as error:
         raise _first_fault(lines, separator, first, columns, str(error)) from error
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
