@@ -128,6 +128,8 @@ def table(
     if len(lines) == 0:
         return np.zeros((0, first or columns or 0))
     try:
+        if not all(map(str.strip, lines.texts)):  # NumPy would pass over such lines
+            raise ValueError("a line is empty")
         values = np.loadtxt(
             lines.texts,
             delimiter=separator,
@@ -135,8 +137,8 @@ def table(
             ndmin=2,
             usecols=None if first is None else range(first),
         )
-        if len(values) != len(lines) or columns not in (None, values.shape[1]):
-            raise ValueError("a line is empty, or has another number of columns")
+        if columns not in (None, values.shape[1]):
+            raise ValueError(f"{columns} columns expected")
     except (ValueError, OverflowError) as error:
         raise _first_fault(lines, separator, first, columns, str(error)) from error
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))

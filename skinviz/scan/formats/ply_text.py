@@ -97,9 +97,15 @@ def _numbers(words: list[str], p: Property, part: Lines) -> NDArray[Any]:
     try:
         return np.array(words, dtype=np.int64 if whole else np.float64)
     except (ValueError, OverflowError) as error:
-        bad = next((w for w in words if not is_number(w)), words[0])
+        valid = _is_whole if whole else is_number
+        bad = next((w for w in words if not valid(w)), words[0])
         wanted = "whole numbers" if whole else "numbers"
         raise MeshError(
             f"{part.path}: not a valid PLY file: {p.name} should be {wanted}; got "
             f"{shown(bad)}"
         ) from error
+
+
+def _is_whole(word: str) -> bool:
+    """Return whether a word is a whole number of few enough digits."""
+    return word.removeprefix("-").isdecimal() and len(word) < 19
