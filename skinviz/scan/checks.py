@@ -18,6 +18,22 @@ HAND_LENGTH = (140.0, 230.0)
 
 _FARTHEST = 1e12  # mm; map coordinates on earth are below 1e11
 
+_TYPICAL = 220.0  # mm across, corner to corner of the box around a hand
+_MISREAD = {
+    1000.0: ("metres", "millimetres"),
+    25.4: ("inches", "millimetres"),
+    100.0: ("metres", "centimetres"),
+    10.0: ("centimetres", "millimetres"),
+    2.54: ("inches", "centimetres"),
+    0.1: ("millimetres", "centimetres"),
+    1 / 25.4: ("millimetres", "inches"),
+    0.01: ("centimetres", "metres"),
+    1e-3: ("millimetres", "metres"),
+    1e-6: ("micrometres", "metres"),
+    1e6: ("metres", "micrometres"),
+}
+"""Factor by which lengths came out too small, and the units that were mistaken."""
+
 _ACCEPTED = (80.0, 600.0)  # a child's hand; an adult's with the forearm
 
 
@@ -69,10 +85,24 @@ def to_millimetres(points: Points, scale: float, source: str) -> Points:
 
 def require_hand_size(points: Points, source: str) -> None:
     """Refuse what cannot be a hand: most often the unit is wrong."""
+    told = wrong_size(points)
+    if told is not None:
+        raise MeshError(f"{source} {told}; give the file's true unit (--unit)")
+
+
+def wrong_size(points: Points) -> str | None:
+    """Return why points cannot be a hand's, and what the unit may be; else None."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     low, high = _ACCEPTED
-    if not low <= size <= high:
-        raise MeshError(
-            f"{source} is {size:.4g} mm across, and a hand is {HAND_LENGTH[0]:g} to "
-            f"{HAND_LENGTH[1]:g} mm long; give the file's true unit (--unit)"
-        )
+    if low <= size <= high:
+        return None
+    told = (
+        f"is {size:.4g} mm across, and a hand is {HAND_LENGTH[0]:g} to "
+        f"{HAND_LENGTH[1]:g} mm long"
+    )
+    near = [ratio for ratio in _MISREAD if low <= size * ratio <= high]
+    if not near:
+        return told
+    likely = min(near, key=lambda ratio: abs(np.log(size * ratio / _TYPICAL)))
+    true, taken = _MISREAD[likely]
+    return f"{told}: it looks as if {true} were read as {taken}"
