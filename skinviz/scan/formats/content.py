@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import codecs
 import itertools
+import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -161,6 +162,19 @@ def integers(lines: Lines, words: Sequence[str], index: int) -> list[int]:
             index, f"expected whole numbers, got {shown(' '.join(words))}"
         ) from error
     return values
+
+
+def uniform_integers(texts: Sequence[str]) -> NDArray[np.int64] | None:
+    """Return lines of equally many whole numbers as an array; None of any other.
+
+    A quick way for what most files hold; the slow one says what is wrong.
+    """
+    try:
+        with warnings.catch_warnings(action="error"):  # of numbers with a point
+            values = np.loadtxt(texts, dtype=np.int64, comments=None, ndmin=2)
+    except (ValueError, OverflowError, Warning):
+        return None
+    return values if len(values) == len(texts) else None
 
 
 def flat_lists(lists: Sequence[Sequence[int]]) -> NDArray[np.int64]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinviz.errors import MeshError
 from skinviz.scan.formats.content import (
@@ -16,6 +17,7 @@ from skinviz.scan.formats.content import (
     shown,
     stated_unit,
     table,
+    uniform_integers,
 )
 from skinviz.scan.formats.ply_header import Lists
 from skinviz.scan.formats.surface import fan, welded
@@ -46,12 +48,9 @@ def read_obj(path: Path, unit: str | None) -> Scan:
         )
     # A negative number counts back from the points before its line.
     before = np.cumsum(kinds == "v")[face_lines]
-    corners = [_corners(lines, int(i)) for i in face_lines]
-    counts = np.array([len(c) for c in corners])
-    flat = flat_lists(corners)
+    counts, flat = _polygons(lines, face_lines)
     if (flat == 0).any():
-        i = int(np.flatnonzero([0 in c for c in corners])[0])
-        raise lines.fault(int(face_lines[i]), "a face names point 0; the first is 1")
+        raise MeshError(f"{path}: a face names point 0; the first is 1")
     flat = np.where(flat < 0, flat + np.repeat(before, counts), flat - 1)
     faces = fan(Lists(counts, flat), len(points), str(path))
     return welded(points, faces, path, unit, stated_unit(lines.comments))
@@ -80,6 +79,17 @@ def _rest(lines: Lines, at: Sequence[int] | np.ndarray) -> Lines:
         [lines.texts[i][1:] for i in at],
         [lines.numbers[i] for i in at],
     )
+
+
+def _polygons(
+    lines: Lines, at: NDArray[np.intp]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return how many points each face's line names, and all that they name."""
+    uniform = uniform_integers([lines.texts[i][1:] for i in at])
+    if uniform is not None and uniform.shape[1] >= 3:
+        return np.full(len(at), uniform.shape[1]), uniform.reshape(-1)
+    corners = [_corners(lines, int(i)) for i in at]
+    return np.array([len(c) for c in corners]), flat_lists(corners)
 
 
 def _corners(lines: Lines, index: int) -> list[int]:

@@ -15,6 +15,7 @@ from skinviz.scan.formats.content import (
     shown,
     stated_unit,
     table,
+    uniform_integers,
 )
 from skinviz.scan.formats.ply_header import Lists
 from skinviz.scan.formats.surface import fan, welded
@@ -64,6 +65,9 @@ def _counts(lines: Lines) -> tuple[int, int, int]:
 
 def _polygons(lines: Lines) -> Lists:
     """Return the polygons of lines ``n i j k ...``; colours may follow."""
+    uniform = uniform_integers(lines.texts)
+    if uniform is not None and (uniform[:, 0] == uniform.shape[1] - 1).all():
+        return Lists(uniform[:, 0], uniform[:, 1:].reshape(-1))
     corners = []
     for i, text in enumerate(lines.texts):
         words = text.split()

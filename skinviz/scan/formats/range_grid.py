@@ -93,15 +93,13 @@ def read_conf(path: Path, unit: str | None) -> Scan:
             continue  # comments, and the viewer's camera
         where = f"{path} line {number}"
         name = line.split(maxsplit=1)[-1].rsplit(maxsplit=7)[0]  # may hold spaces
-        if len(words) < 9 or (len(words) > 9 and not (path.parent / name).exists()):
-            raise MeshError(
-                f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got "
-                f"{len(words) - 1} values"
-            )
+        if len(words) < 9:
+            raise _not_nine(words, where)
         try:
             file = existing_file(path.parent / name, MeshError)
         except MeshError as error:
-            raise MeshError(f"{where}: {error}") from error
+            told = _not_nine(words, where) if len(words) > 9 else None
+            raise told or MeshError(f"{where}: {error}") from error
         ply = read_ply(file)
         if not is_range_grid(ply):
             raise MeshError(f"{file}: has no range_grid, which {where} expects")
@@ -110,6 +108,14 @@ def read_conf(path: Path, unit: str | None) -> Scan:
     if not views:
         raise MeshError(f"{path}: no 'bmesh' line, so no view to read")
     return Scan(views=tuple(views), source=str(path))
+
+
+def _not_nine(words: list[str], where: str) -> MeshError:
+    """Return the error of a line with too few or too many values."""
+    return MeshError(
+        f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got {len(words) - 1} "
+        "values"
+    )
 
 
 def write_scan(
