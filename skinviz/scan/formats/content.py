@@ -119,8 +119,9 @@ def table(
     separator: str | None = None,
     first: int | None = None,
     columns: int | None = None,
+    finite: bool = True,
 ) -> NDArray[np.float64]:
-    """Return lines of numbers as an array (lines, columns) of finite numbers.
+    """Return lines of numbers as an array (lines, columns), by default of finite ones.
 
     All lines have as many columns as is said or as the first one has; or, with
     ``first``, at least that many, of which the rest is passed over. Without a
@@ -143,7 +144,7 @@ def table(
     except (ValueError, OverflowError) as error:
         raise _first_fault(lines, separator, first, columns, str(error)) from error
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
-    if bad.size:
+    if finite and bad.size:
         i = int(bad[0])
         raise lines.fault(
             i, f"a number is not finite ({bad.size} such lines); remove such points"

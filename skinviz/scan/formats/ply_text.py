@@ -43,7 +43,7 @@ def text_elements(body: bytes, header: Header, path: Path) -> dict[str, Element]
 
 def _scalar_rows(part: Lines, properties: tuple[Property, ...]) -> Element:
     """Return an element without lists."""
-    values = table(part, columns=len(properties))
+    values = table(part, columns=len(properties), finite=False)
     names = [p.name for p in properties]
     return Element(len(part), dict(zip(names, values.T, strict=True)), {})
 

@@ -37,7 +37,7 @@ def read_xyz(path: Path, unit: str | None) -> Scan:
 
 def scan_of_points(lines: Lines, unit: str | None) -> Scan:
     """Return the points in lines of text, in mm."""
-    names, rows = _column_names(lines)
+    names, rows = _column_names(_without_count(lines))
     if len(rows) == 0:
         raise MeshError(f"{lines.path} has no points")
     values = table(_without_last(rows), separator=separator_of(rows))
@@ -59,6 +59,16 @@ def separator_of(lines: Lines) -> str | None:
             "with decimal points"
         )  # fmt: skip
     return next((mark for mark in ";," if mark in text), None)
+
+
+def _without_count(lines: Lines) -> Lines:
+    """Return lines without the number of points that some programs begin with."""
+    word = lines.texts[0]
+    if not word.isdecimal() or len(lines) == 1:
+        return lines
+    if int(word[:19]) != len(lines) - 1:
+        raise lines.fault(0, f"{shown(word)} points expected, {len(lines) - 1} follow")
+    return lines.part(1)
 
 
 def _without_last(lines: Lines) -> Lines:

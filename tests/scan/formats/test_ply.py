@@ -86,6 +86,13 @@ def test_a_carriage_return_that_is_data_is_not_taken_for_an_ending(tmp_path):
     np.testing.assert_array_equal(x, value)
 
 
+def test_what_is_not_finite_is_left_to_who_needs_it(tmp_path):
+    head = HEAD.replace("float z\n", "float z\nproperty float quality\n")
+    (tmp_path / "a.ply").write_text(head + "0 0 0 nan\n1 0 0 inf\n3 0 1 0\n")
+    vertex = read_ply(tmp_path / "a.ply").elements["vertex"]
+    np.testing.assert_array_equal(vertex.scalars["quality"], [np.nan, np.inf])
+
+
 FAULTS = {
     "another kind": ("solid\n", "does not begin with 'ply'"),
     "no end": (HEAD.replace("end_header\n", ""), "no line 'end_header'"),

@@ -77,6 +77,11 @@ def test_a_separator_at_the_end_of_each_line_is_passed_over(tmp_path):
     np.testing.assert_array_equal(got.points, ROWS)
 
 
+def test_the_number_of_points_may_come_first(tmp_path):
+    got = cloud(tmp_path / "a.xyz", f"{len(ROWS)}\n{text()}")
+    np.testing.assert_array_equal(got.points, ROWS)
+
+
 def test_comments_are_passed_over_and_may_state_the_unit(tmp_path):
     content = "# made by hand\n// unit of nothing\n# unit cm\n" + text(tail=" # here")
     got = cloud(tmp_path / "a.xyz", content, None)
@@ -149,6 +154,7 @@ FAULTS = {
     "binary": (b"1 2 3\n\0\1\2\n", "line 2.*binary"),
     "underscores": ("1_0 2 3\n", "line 1.*'1_0' is no number"),
     "hexadecimal": ("0x10 2 3\n", "line 1.*no number"),
+    "another count": ("3\n1 2 3\n4 5 6\n", "line 1.*'3' points expected, 2 follow"),
     "normals of no length": ("x y z nx ny nz\n1 2 3 0 0 0\n", "not of length 1"),
 }
 
