@@ -136,7 +136,7 @@ class ArrayReader:
         parts, at = [], 0
         for stored, size in zip(packed, sizes, strict=True):
             try:
-                part = expand(content[at : at + stored], size)
+                part = expand(content[at : at + stored], size + 1)
             except (zlib.error, lzma.LZMAError, EOFError) as error:
                 raise BrokenArrayError(
                     f"a compressed block is broken: {error}"
@@ -219,7 +219,7 @@ def _from_text(text: str, kind: np.dtype[Any]) -> NDArray[Any]:
 
 
 def _zlib(content: bytes, size: int) -> bytes:
-    return zlib.decompressobj().decompress(content, size) if size else b""
+    return zlib.decompressobj().decompress(content, size)
 
 
 def _lzma(content: bytes, size: int) -> bytes:
