@@ -33,7 +33,10 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 FILLED, EDGES = 1100, 800
-"""Pixels that are drawn, at most: with 1,100, two may differ by more than a bound."""
+"""Pixels that are drawn: of 1,100, two may differ by more than a bound."""
+
+_MOST_FILLED = 3000  # of large pictures, of which 13 may
+_OF_HOW_MANY = 64  # pixels one is drawn
 
 _MOST_DRAWN = 16 * FILLED  # pixels that one ray each is cast for
 _AT_ONCE, _ALONE = 2**16, 2**13  # points of a thread, and too few for two of them
@@ -77,8 +80,9 @@ class Pilot:
         Pixels at edges, that some rays miss.
     share : float
         Of the pixels that may show the mesh, how many do. [1]
-    complete : bool
-        Whether ``filled`` are all there are: then the largest difference counts.
+    population : int
+        How many filled pixels the picture has, about; no more than the weights' sum
+        where these are all.
     """
 
     stage: Stage
@@ -86,7 +90,7 @@ class Pilot:
     weights: Whole
     edges: Sample
     share: float
-    complete: bool
+    population: int
 
     @cached_property
     def white(self) -> Array:
@@ -119,12 +123,13 @@ class Pilot:
         lit = reference[:, 1] > 0
         differences = colour_differences(xyz[lit], reference[lit], self.white)
         differences = np.repeat(differences, self.weights[lit])
-        return percentile_bound(differences, all_of_them=self.complete)
+        unlit = int(self.weights[~lit].sum())
+        return percentile_bound(differences, self.population - unlit)
 
     def edges_kept(self, xyz: Array, reference: Array, tolerance: float) -> bool:
         """Return whether edge pixels (k, 3) differ by no more than they may."""
         differences = colour_differences(xyz, reference, self.white)
-        if self.complete or differences.size < EDGES // 8:
+        if self.population < FEW or differences.size < EDGES // 8:
             bound = float(differences.max(initial=0.0))
         else:
             bound = float(np.percentile(differences, 99))
@@ -186,7 +191,7 @@ def pilot_of(stage: Stage) -> Pilot:
     pixels, weights = _thinned(draw, rng)
     outlined = stage.sight.outlines.ravel()
     edges = np.flatnonzero(outlined)
-    few = draw.every and pixels.size < FEW + edges.size
+    few = draw.every and pixels.size == np.count_nonzero(draw.seen)
     if few:  # only what an outline crosses can be filled where its one ray is not
         more = np.setdiff1d(draw.pixels[outlined[draw.pixels]], pixels)
         pixels = np.concatenate([pixels, more])
@@ -206,7 +211,7 @@ def pilot_of(stage: Stage) -> Pilot:
         weights[order][which],
         rims.result()[0],
         float(draw.seen.mean()) if draw.seen.size else 0.0,
-        bool(few and filled.pixels.size < FEW),
+        filled.pixels.size if few else int(draw.seen.mean() * draw.population),
     )
 
 
@@ -220,14 +225,24 @@ class _Draw:
         Ascending.
     seen, lit : (k,) ndarray of bool
         Whether the ray finds skin, and a light that reaches it.
-    every : bool
-        Whether these are all pixels that may show the mesh.
+    population : int
+        How many pixels may show the mesh.
     """
 
     pixels: Whole
     seen: NDArray[np.bool_]
     lit: NDArray[np.bool_]
-    every: bool
+    population: int
+
+    @property
+    def every(self) -> bool:
+        """Whether these are all pixels that may show the mesh."""
+        return self.pixels.size == self.population
+
+    @property
+    def enough(self) -> int:
+        """How many pixels are to be traced in full: more of large pictures."""
+        return int(np.clip(self.population / _OF_HOW_MANY, FILLED, _MOST_FILLED))
 
 
 def _drawn(stage: Stage, rng: np.random.Generator) -> _Draw:
@@ -238,24 +253,24 @@ def _drawn(stage: Stage, rng: np.random.Generator) -> _Draw:
     pixels = np.flatnonzero(wide[:height, :width])
     draw = _cast_one(stage, pixels, 2 * FILLED, rng)
     lit = int(draw.lit.sum())
-    if lit < FILLED and not draw.every:
-        wanted = draw.pixels.size * 1.3 * FILLED / max(lit, 1)
+    if lit < draw.enough and not draw.every:
+        wanted = draw.pixels.size * 1.3 * draw.enough / max(lit, 1)
         draw = _cast_one(stage, pixels, int(min(wanted, _MOST_DRAWN)), rng)
     return draw
 
 
 def _cast_one(stage: Stage, pixels: Whole, n: int, rng: np.random.Generator) -> _Draw:
     """Draw about ``n`` of some pixels evenly, and cast one ray for each."""
-    step = pixels.size / n if n else 1.0
-    every = step <= 1
-    if not every:
+    population = pixels.size
+    step = population / n if n else 1.0
+    if step > 1:
         first = np.floor(np.arange(n) * step).astype(np.int64)
         last = np.floor(np.arange(1, n + 1) * step).astype(np.int64)
         pixels = pixels[rng.integers(first, np.maximum(last, first + 1))]
     hits = trace.cast(stage.sight, stage.plan.cells[:1], pixels)
     lit = np.zeros(pixels.size, dtype=np.bool_)
     lit[hits.pixels] = _reached(stage, hits)
-    return _Draw(pixels, hits.covered > 0, lit, every)
+    return _Draw(pixels, hits.covered > 0, lit, population)
 
 
 def _reached(stage: Stage, hits: trace.Hits) -> NDArray[np.bool_]:
@@ -274,14 +289,15 @@ def _thinned(draw: _Draw, rng: np.random.Generator) -> tuple[Whole, Whole]:
     of them are lit at all.
     """
     lit, dark = draw.pixels[draw.lit], draw.pixels[draw.seen & ~draw.lit]
-    if draw.every and lit.size + dark.size <= FILLED:
+    enough = draw.enough
+    if draw.every and lit.size + dark.size <= 2 * enough:
         both = np.concatenate([lit, dark])
         return both, np.ones(both.size, np.int64)
     share = 1.0
-    if lit.size > FILLED:
-        share = FILLED / lit.size
-        lit = rng.choice(lit, FILLED, replace=False)
-    n_dark = min(dark.size, int(share * dark.size) + 1, FILLED // 4)
+    if lit.size > enough:
+        share = enough / lit.size
+        lit = rng.choice(lit, enough, replace=False)
+    n_dark = min(dark.size, int(share * dark.size) + 1, enough // 4)
     stands = max(1, round(share * dark.size / n_dark)) if n_dark else 1
     dark = rng.choice(dark, n_dark, replace=False)
     weights = np.repeat([1, stands], [lit.size, dark.size])
