@@ -25,7 +25,6 @@ from skinviz.rendering.stage import Stage
 from skinviz.rendering.tolerance import (
     FEW,
     colour_differences,
-    edge_allowance,
     percentile_bound,
 )
 
@@ -132,14 +131,15 @@ class Pilot:
         unlit = int(self.weights[~lit].sum())
         return percentile_bound(differences, self.population - unlit)
 
-    def edges_kept(self, xyz: Array, reference: Array, tolerance: float) -> bool:
-        """Return whether edge pixels (k, 3) differ by no more than they may."""
+    def edge_difference(self, xyz: Array, reference: Array) -> float:
+        """Return the 99th percentile of how edge pixels (k, 3) differ.
+
+        The largest difference where the picture has few filled pixels, or few edges.
+        """
         differences = colour_differences(xyz, reference, self.white)
         if self.population < FEW or differences.size < EDGES // 8:
-            bound = float(differences.max(initial=0.0))
-        else:
-            bound = float(np.percentile(differences, 99))
-        return bound <= edge_allowance(tolerance)
+            return float(differences.max(initial=0.0))
+        return float(np.percentile(differences, 99))
 
     @cached_property
     def contrast_pixels(self) -> tuple[Whole, NDArray[np.bool_]]:

@@ -37,7 +37,7 @@ def _cost(plan: Plan, work: Work, rates: Rates) -> float:
     return work.vertices * plan.bounce_rays * each + model + lit
 
 
-def _price(work: Work, rates: Rates) -> float:
+def _price(_: Plan, work: Work, rates: Rates) -> float:
     """Return the time of finding out."""
     return min(work.vertices, _TRIED) * TRIAL_RAYS * rates.bounce
 

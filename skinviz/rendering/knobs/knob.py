@@ -47,8 +47,8 @@ class Knob:
     group : str
         Of knobs whose differences are told together, each with those before it.
     price : callable or None
-        From the work and the rates to the time that it takes to find out about a
-        level, beyond what looking at a pilot's points takes. [ns]
+        From a plan, the work and the rates to the time that it takes one processor
+        to find out about a level [ns]; None if all rays of a pilot are looked at.
     """
 
     name: str
@@ -59,4 +59,4 @@ class Knob:
     measure: Callable[[Trial, Setting], float] | None
     share: float | None = None
     group: str = ""
-    price: Callable[[Work, Rates], float] | None = None
+    price: Callable[[Plan, Work, Rates], float] | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skinviz.rendering.knobs.knob import Knob, Setting
-from skinviz.rendering.knobs.spectrum import nodes
+from skinviz.rendering.knobs.spectrum import body_price, nodes
 from skinviz.rendering.plan import REFLECTANCES, Plan
 from skinviz.rendering.rates import Rates
 from skinviz.rendering.work import TABLE_ENTRIES, Work
@@ -42,4 +42,5 @@ KNOB = Knob(
     lambda trial, setting: trial.body_difference(setting),
     share=0.25,
     group="body",
+    price=body_price,
 )
