@@ -152,7 +152,7 @@ class _Search:
             if self._least(level) > dearest - price:
                 break
             difference = knob.measure(trial, level)  # type: ignore[misc]
-            words = knob.told(self.stage.plan.replace(**level))
+            words = knob.told(self.stage.plan.replace(**level), self.work)
             if difference <= allowed and knob.share is None:
                 edge = trial.edge_difference(level)
                 if edge > edge_allowance(allowed):
@@ -189,7 +189,10 @@ class _Search:
             if difference <= self.left:
                 best = (cost, level, difference)
             else:
-                told = (sampling.KNOB.told(plan.replace(**level)), difference)
+                told = (
+                    sampling.KNOB.told(plan.replace(**level), self.work),
+                    difference,
+                )
         if best is None:
             self.found[sampling.KNOB.name] = (0.0, *told)
             return trial
@@ -244,7 +247,7 @@ class _Search:
         beyond = knob.beyond(plan)
         return Finding(
             knob.name,
-            knob.told(plan),
+            knob.told(plan, self.work),
             beyond,
             difference if beyond else 0.0,
             max(self.cost(exact) - self.cost(plan), 0.0),

@@ -30,7 +30,7 @@ KNOB = Knob(
     "arithmetic",
     _levels,
     _cost,
-    lambda plan: f"{plan.arithmetic} precision",
+    lambda plan, _: f"{plan.arithmetic} precision",
     lambda plan: "" if plan.arithmetic == "double" else "29 bits of each tint",
     lambda trial, setting: trial.body_difference(setting),
     share=0.3,

@@ -42,8 +42,10 @@ def _price(_: Plan, work: Work, rates: Rates) -> float:
     return min(work.vertices, _TRIED) * TRIAL_RAYS * rates.bounce
 
 
-def _told(plan: Plan) -> str:
+def _told(plan: Plan, work: Work) -> str:
     """Return the level in words."""
+    if not work.bounces:
+        return "none declared"
     return f"{plan.bounce_rays} rays a vertex" if plan.bounce_rays else "none"
 
 

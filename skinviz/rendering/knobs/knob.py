@@ -35,7 +35,7 @@ class Knob:
         From a plan, the work and the rates to the time that this knob's part of the
         picture takes on one processor. [ns]
     told : callable
-        From a plan to its level in words.
+        From a plan and the work to the plan's level in words.
     beyond : callable
         From a plan to what the reference has beyond it, empty if nothing.
     measure : callable or None
@@ -54,7 +54,7 @@ class Knob:
     name: str
     levels: Callable[[Work], Sequence[Setting]]
     cost: Callable[[Plan, Work, Rates], float]
-    told: Callable[[Plan], str]
+    told: Callable[[Plan, Work], str]
     beyond: Callable[[Plan], str]
     measure: Callable[[Trial, Setting], float] | None
     share: float | None = None

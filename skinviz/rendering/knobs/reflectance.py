@@ -37,7 +37,7 @@ KNOB = Knob(
     "reflectance",
     _levels,
     _cost,
-    lambda plan: _WORDS[plan.reflectance],
+    lambda plan, work: _WORDS[plan.reflectance] if work.mapped else "the model, once",
     lambda plan: "" if plan.reflectance == "model" else "the model at each point",
     lambda trial, setting: trial.body_difference(setting),
     share=0.25,

@@ -38,7 +38,7 @@ def body_price(plan: Plan, work: Work, rates: Rates) -> float:
     return _RULE_TIME + _TRIED * nodes(plan, work) * rates.band
 
 
-def _told(plan: Plan) -> str:
+def _told(plan: Plan, _: Work) -> str:
     """Return the level in words."""
     if plan.spectrum in _WORDS:
         return _WORDS[plan.spectrum]
