@@ -22,13 +22,13 @@ from skinviz.spectra.colorimetry import xyz_to_lab
 from skinviz.spectra.illuminants import line_lamp
 
 UP = [0.0, 1.0, 0.0]
-SIZE = (61, 47)
+SIZE = (45, 35)
 
 
 @pytest.fixture(params=["uniform", "mapped", "bouncing", "vertices"])
 def scene(request, matt):
     """A glossy wave with a ball's shadow on it, and how its light is computed."""
-    mesh = joined(wave(21), sphere(8, 2, centre=(2, -3, 12)))
+    mesh = joined(wave(15), sphere(8, 2, centre=(2, -3, 12)))
     rng = np.random.default_rng(7)
     skin = matt.skin
     if request.param != "uniform":
@@ -58,8 +58,9 @@ def marked(scene):
 # Which pixels, and what they are ------------------------------------------------
 
 
-@pytest.mark.parametrize("refine", [2.0, 16.0, 1e6])
-@pytest.mark.parametrize("samples", [1, 2, 4])
+@pytest.mark.parametrize(
+    ("samples", "refine"), [(1, 2.0), (1, 1e6), (2, 16.0), (4, 8.0)]
+)
 def test_refined_pixels_are_the_references_bit_for_bit(scene, plan, samples, refine):
     reference, even = render(scene, plan), render(scene, plan.replace(samples=samples))
     picture = render(scene, plan.replace(samples=samples, refine=refine))
@@ -105,7 +106,7 @@ def test_without_a_limit_all_that_differs_at_all_is_refined(scene, plan):
         assert_array_equal(second[1:][both], second[:-1][both])
     reference = render(scene, plan)
     full = few & (reference.covered == 16)
-    assert full.sum() < 20
+    assert full.sum() < 12
 
 
 def test_sixteen_samples_leave_nothing_to_refine(scene, plan):
@@ -119,7 +120,7 @@ def test_even_plans_have_as_many_rays_everywhere(scene, plan):
         assert (render(scene, plan.replace(samples=samples)).rays == samples).all()
 
 
-@pytest.mark.parametrize("step", [61, 200])
+@pytest.mark.parametrize("step", [45, 150])
 def test_pictures_are_the_same_however_many_pixels_are_worked_on(
     scene, plan, monkeypatch, step
 ):
@@ -150,7 +151,7 @@ def test_spectra_are_of_the_rays_of_the_picture(scene, plan):
 def test_spectra_of_regions_are_those_of_the_whole(scene, plan):
     picture = render(scene, plan.replace(samples=1, refine=4.0, shading="points"))
     whole = picture.radiance()
-    for left, top, right, bottom in [(0, 0, 61, 1), (20, 10, 41, 31), (60, 46, 61, 47)]:
+    for left, top, right, bottom in [(0, 0, 45, 1), (12, 9, 33, 31), (44, 34, 45, 35)]:
         part = picture.radiance((left, top, right, bottom))
         assert_array_equal(part, whole[top:bottom, left:right])
     rows = np.concatenate([block.copy() for block in picture.rows()])
