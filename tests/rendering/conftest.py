@@ -16,6 +16,8 @@ from skinviz import (
     TorranceSparrow,
     skin_model,
 )
+from skinviz.rendering import planner
+from skinviz.rendering.rates import Rates
 from skinviz.rendering.shade import shade, vertex_xyz
 from skinviz.rendering.stage import stage_of
 from skinviz.skin.model import Parameter
@@ -73,6 +75,28 @@ def matt(model):
 def white(matt):
     """The perfect diffuser in the place of the skin."""
     return matt.replace(skin=Skin(Painted(), [1.0]))
+
+
+RATES = Rates(
+    ray=270.0,
+    shadow=170.0,
+    point=10.0,
+    index=13.0,
+    band=70.0,
+    mix=0.5,
+    look=150.0,
+    blend=5.0,
+    bounce=310.0,
+)
+"""Of a machine with two slow processors. [ns]"""
+
+
+@pytest.fixture
+def steady(monkeypatch):
+    """The rates of one machine, on any."""
+    monkeypatch.setattr(planner, "machine_rates", lambda: RATES)
+    monkeypatch.setattr(planner, "processors", lambda: 2)
+    return RATES
 
 
 @pytest.fixture
