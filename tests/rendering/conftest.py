@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from planned_scenes import RATES
 
 from meshes import plane
 from skinviz import (
@@ -17,7 +18,6 @@ from skinviz import (
     skin_model,
 )
 from skinviz.rendering import planner
-from skinviz.rendering.rates import Rates
 from skinviz.rendering.shade import shade, vertex_xyz
 from skinviz.rendering.stage import stage_of
 from skinviz.skin.model import Parameter
@@ -77,26 +77,13 @@ def white(matt):
     return matt.replace(skin=Skin(Painted(), [1.0]))
 
 
-RATES = Rates(
-    ray=270.0,
-    shadow=170.0,
-    point=10.0,
-    index=13.0,
-    band=70.0,
-    mix=0.5,
-    look=150.0,
-    blend=5.0,
-    bounce=310.0,
-)
-"""Of a machine with two slow processors. [ns]"""
-
-
-@pytest.fixture
-def steady(monkeypatch):
+@pytest.fixture(scope="module")
+def steady():
     """The rates of one machine, on any."""
-    monkeypatch.setattr(planner, "machine_rates", lambda: RATES)
-    monkeypatch.setattr(planner, "processors", lambda: 2)
-    return RATES
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(planner, "machine_rates", lambda: RATES)
+        patch.setattr(planner, "processors", lambda: 2)
+        yield RATES
 
 
 @pytest.fixture

@@ -137,12 +137,6 @@ def test_bytes_that_are_no_text_are_no_rates(folder, measured, content):
     assert len(measured) == 2
 
 
-def test_whole_numbers_are_rates_or_are_measured_anew(folder, measured):
-    machine_rates()
-    kept_file(folder).write_text(json.dumps(good() | {"ray": 12}), encoding="utf-8")
-    assert again().ray in (12, 20.0)
-
-
 # Folders ------------------------------------------------------------------------
 
 
