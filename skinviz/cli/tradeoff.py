@@ -160,7 +160,7 @@ def _head(name: str, scene: Scene) -> dict[str, str]:
         f"{scene.interreflection}",
         "machine": machine(),
         "versions": told,
-        "times": "shortest of three, of fewer where these take over a second; "
+        "times": "shortest of three, of fewer where these take over two seconds; "
         "planning apart",
     }
 
@@ -190,7 +190,10 @@ def _say_plans(trades: Sequence[Trade]) -> None:
         off, way = trade.difference, trade.way
         if off is None:
             say(f"note: {way.name} cannot be had: {trade.note}")
-        elif way.group in labels or way.group == TOLERANCE:
+            continue
+        if way.group == REFERENCE and trade.note:
+            say(f"note: spectra cannot be had: {trade.note}")
+        if way.group in labels or way.group == TOLERANCE:
             planning = f"{way.planning:.0f}" if way.group == TOLERANCE else "-"
             label = labels.get(way.group, f"plan for {way.name}")
             say(

@@ -160,7 +160,10 @@ def _products(mean: Any, spectra: Any, row: Any) -> None:
     """Write the sum of scalars times spectra, two at a time to save stores."""
     k = mean.size
     odd = k % 2
-    if odd:
+    if k == 0:  # a surface without reflection
+        for j in range(row.size):
+            row[j] = 0.0
+    elif odd:
         for j in range(row.size):
             row[j] = mean[0] * spectra[0, j]
     else:

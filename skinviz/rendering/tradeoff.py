@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import time
 import warnings
@@ -25,7 +26,7 @@ Array = NDArray[np.float64]
 RUNS = 3
 """Times that a picture is computed, of which the shortest counts."""
 
-_PATIENCE = 1.0  # s, after which a picture is not computed once more
+_PATIENCE = 2.0  # s, after which a picture is not computed once more
 _ROWS = 8  # of the picture, whose spectra are compared
 _WARM = 16  # pixels of the picture that compiles what is not
 
@@ -44,12 +45,13 @@ class Trade:
         Of its colours from the reference's.
     spectral_rmse : float or None
         Root mean square difference of radiance on the scene's bands, over some pixels
-        that the mesh fills, as a share of the white's. [1]
+        that the mesh fills, as a share of the white's; None where the lamps do not
+        cover these bands. [1]
     on_front : bool
         Whether it keeps its edges, and no other such way is faster with as small a
         99th percentile of ΔE00 over filled pixels, or better and as fast.
     note : str
-        Why it cannot be had.
+        Why it, or its spectra, cannot be had.
     """
 
     way: Way
@@ -81,10 +83,27 @@ class _Truth:
 
     picture: Rendering
     white: Array
-    rows: tuple[int, ...]
-    filled: tuple[NDArray[np.bool_], ...]
-    spectra: tuple[Array, ...]
+    spectra: _Spectra | None
+    note: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Spectra:
+    """Radiance (k, bands) of some pixels that the mesh fills.
+
+    ``filled`` are its pixels in each of some rows, ``scale`` is the white's root mean
+    square.
+    """
+
+    filled: dict[int, NDArray[np.bool_]]
+    radiance: Array
     scale: float
+
+    def rmse(self, picture: Rendering) -> float:
+        """Return how far a picture's spectra are from these. [1]"""
+        # The scale comes first: light may be as large as float32 holds.
+        off = (_radiance(picture, self.filled) - self.radiance) / self.scale
+        return float(np.sqrt(np.mean(off**2)))
 
 
 def tradeoff(
@@ -120,14 +139,14 @@ def tradeoff(
     Notes
     -----
     Times are of :func:`render`, the mesh made ready before: the shortest of three, or
-    of fewer where these take over a second. They are of this machine as it is: let
+    of fewer where these take over two seconds. They are of this machine as it is: let
     nothing else run.
     """
     geometry = geometry or geometry_of(scene.mesh)
     tried = ways(scene, geometry=geometry) if tried is None else tried
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
-        _warm_up(scene, geometry)
+        _warm_up(scene, geometry, tried)
         measure = _Meter(scene, geometry)
         trades = []
         for way in tried:
@@ -180,7 +199,8 @@ class _Meter:
         difference = compare(
             picture.xyz, truth.picture.xyz, truth.picture.covered, truth.white
         )
-        return Trade(way, ms, difference, _spectral_rmse(picture, truth))
+        rmse = None if truth.spectra is None else truth.spectra.rmse(picture)
+        return Trade(way, ms, difference, rmse, note=truth.note)
 
     def _timed(self, plan: Plan) -> tuple[Rendering, float]:
         """Return a picture and its time. [ms]"""
@@ -192,13 +212,24 @@ class _Meter:
         return picture, 1e3 * min(times)
 
 
-def _warm_up(scene: Scene, geometry: Geometry) -> None:
-    """Draw a small picture, so that no time is of compiling or of Embree's tree."""
+def _warm_up(scene: Scene, geometry: Geometry, tried: Sequence[Way]) -> None:
+    """Draw small pictures, so that no time is of compiling or of Embree's tree."""
     camera = dataclasses.replace(scene.camera, size=(_WARM, _WARM))
-    rays = 16 if scene.interreflection != "none" else 0
-    small, plan = scene.replace(camera=camera), Plan(bounce_rays=rays)
-    for changed in (plan, plan.replace(samples=1, refine=1.0, basis="points")):
-        render(small, changed, geometry=geometry).radiance((0, 0))
+    small = scene.replace(camera=camera)
+    kinds = {_kind(way.setting): None for way in tried}  # each once, in order
+    for plan in kinds:
+        with contextlib.suppress(ArgumentError):  # told where it is measured
+            render(small, plan, geometry=geometry).radiance((0, 0))
+
+
+def _kind(plan: Plan) -> Plan:
+    """Return a quick plan that runs through the same code."""
+    return plan.replace(
+        samples=min(plan.samples, 4),
+        refine=None if plan.refine is None else 1.0,
+        bounce_rays=min(plan.bounce_rays, 16),
+        spectrum="4 nodes",
+    )
 
 
 def _truth_of(picture: Rendering) -> _Truth:
@@ -209,42 +240,33 @@ def _truth_of(picture: Rendering) -> _Truth:
         raise ArgumentError(
             f"there is no light to compare: {why}; change the lights or the view"
         )
+    white = white_xyz(picture.scene)
     full = (picture.covered == MOST_SAMPLES) & lit
     chosen = full if full.any() else lit
+    try:
+        return _Truth(picture, white, _spectra(picture, chosen), "")
+    except ArgumentError as error:
+        return _Truth(picture, white, None, str(error))
+
+
+def _spectra(picture: Rendering, chosen: NDArray[np.bool_]) -> _Spectra:
+    """Return the spectra of chosen pixels (height, width), in some of the rows."""
+    scale = float(np.sqrt(np.mean(light_spectra(picture.scene)[0] ** 2)))
     which = np.flatnonzero(chosen.any(axis=1))
     some = which[np.linspace(0, which.size - 1, min(_ROWS, which.size)).astype(int)]
-    rows = tuple(int(row) for row in some)
-    filled = tuple(chosen[row] for row in rows)
-    white = light_spectra(picture.scene)[0]
-    return _Truth(
-        picture,
-        white_xyz(picture.scene),
-        rows,
-        filled,
-        _spectra(picture, rows, filled),
-        float(np.sqrt(np.mean(white**2))),
-    )
+    filled = {int(row): chosen[row] for row in some}
+    return _Spectra(filled, _radiance(picture, filled), scale)
 
 
-def _spectra(
-    picture: Rendering, rows: Sequence[int], filled: Sequence[NDArray[np.bool_]]
-) -> tuple[Array, ...]:
+def _radiance(picture: Rendering, filled: dict[int, NDArray[np.bool_]]) -> Array:
     """Return the radiance (k, bands) of some pixels of some rows."""
     width = picture.size[0]
-    return tuple(
-        picture.radiance((0, row, width, row + 1))[0][own].astype(np.float64)
-        for row, own in zip(rows, filled, strict=True)
+    return np.concatenate(
+        [
+            picture.radiance((0, row, width, row + 1))[0][own].astype(np.float64)
+            for row, own in filled.items()
+        ]
     )
-
-
-def _spectral_rmse(picture: Rendering, truth: _Truth) -> float:
-    """Return how far a picture's spectra are from the reference's. [1]"""
-    if picture is truth.picture:
-        return 0.0
-    own = np.concatenate(_spectra(picture, truth.rows, truth.filled))
-    # The scale comes first: light may be as large as float32 holds.
-    off = (own - np.concatenate(truth.spectra)) / truth.scale
-    return float(np.sqrt(np.mean(off**2)))
 
 
 def _with_front(trades: list[Trade]) -> list[Trade]:

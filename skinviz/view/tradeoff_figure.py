@@ -147,7 +147,10 @@ def _panel(
     axes.set_xscale("log")
     axes.set_yscale("log")
     planned = [t.way.planning + ms[i] for i, t in enumerate(trades)]
-    highest = max(np.max(values, initial=0.0), 10 * measure.least)
+    known = values[np.isfinite(values)]
+    highest = max(known.max(initial=0.0), 10 * measure.least)
+    if known.size == 0:
+        axes.text(0.5, 0.5, "cannot be had", transform=axes.transAxes, ha="center")
     if allowed:
         highest = max(highest, *(t.way.tolerance or 0.0 for t in trades))
     axes.set_xlim(*_widened(float(ms.min()), float(max(planned))))
@@ -174,6 +177,8 @@ def _draw_front(
     kept = np.array([trade.edges_kept for trade in trades])
     on_it = np.flatnonzero(front(np.where(kept, ms, np.nan), values))
     on_it = on_it[np.argsort(ms[on_it])]
+    if on_it.size == 0:
+        return
     x = np.append(ms[on_it], axes.get_xlim()[1])
     y = np.append(shown[on_it], shown[on_it[-1:]])
     axes.step(x, y, where="post", color=_FRONT, lw=1.0, zorder=1.5)
