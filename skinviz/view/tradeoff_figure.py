@@ -35,8 +35,8 @@ _RC: dict[Any, Any] = {
     "svg.hashsalt": "skinviz",
 }
 _WIDTH, _PANEL = 13.2, 4.1  # inches: of the figure; height of a panel
-_TITLE, _LINE = 0.22, 0.14  # inches: a line of the title, of the caption
-_WORDS, _CAPTION = 0.088, 0.0585  # inches: a letter of these
+_TITLE, _LINE = 0.22, 0.15  # inches: a line of the title, of the caption
+_WORDS, _CAPTION = 0.095, 0.066  # inches: a letter of these
 _PALE = 0.3  # opacity of what does not keep its edges
 
 _KNOBS = (

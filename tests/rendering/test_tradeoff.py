@@ -183,7 +183,7 @@ def test_levels_that_cannot_be_had_are_told(mapped):
 
 @pytest.mark.parametrize("direction", [[0, 0, -1], [0.01, 0, -1]])
 def test_a_black_picture_has_nothing_to_trade(ball, direction):
-    with pytest.raises(ArgumentError, match="no light to compare: .*behind"):
+    with pytest.raises(ArgumentError, match=r"no light to compare: .*behind"):
         tradeoff(ball.replace(lights=(DirectionalLight(direction),)), TRIED)
 
 
