@@ -28,7 +28,11 @@ _ADVICE = {
 def existing_file(path: str | os.PathLike[str], error: type[SkinvizError]) -> Path:
     """Return the path of a readable, non-empty file or raise the given error."""
     file = Path(path)
-    if not file.exists():
+    try:
+        found = file.exists()
+    except OSError as fault:  # a name longer than any file's, a folder that is closed
+        raise error(f"{file}: {fault.strerror}; check the path") from fault
+    if not found:
         raise error(f"{file}: no such file; check the path")
     if not file.is_file():
         raise error(f"{file}: is a folder, a file is expected")

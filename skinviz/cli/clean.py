@@ -31,8 +31,8 @@ def clean(
     Parameters
     ----------
     raw
-        Stanford .conf with its range views, a range_grid .ply, or a mesh (.ply,
-        .obj, .stl, .off, .vtp).
+        Stanford .conf with its range views, a grid (.ply with range_grid, .ptx,
+        .asc), or a mesh (.ply, .obj, .stl, .off, .vtp).
     out
         Mesh to write, .ply or .vtp, in mm.
     unit

@@ -11,7 +11,6 @@ from skinviz.errors import ArgumentError, DataError
 
 if TYPE_CHECKING:
     from skinviz.rendering.plan import Plan
-    from skinviz.scan.scan import Scan
     from skinviz.scene.scene import Scene
 
 
@@ -66,9 +65,10 @@ def info(
         facts = read_picture_metadata(file)
         facts = facts if json else _told(facts)
     else:
+        from skinviz.cli.scan_facts import scan_facts
         from skinviz.scan.formats import read_scan
 
-        facts = _scan_facts(read_scan(file, unit))
+        facts = scan_facts(read_scan(file, unit))
     if json:
         say_json(facts | ({"plan": asdict(planned)} if planned else {}))
         return
@@ -199,28 +199,3 @@ def _energy(body: float, scene: Scene) -> str:
         f"at most {most:.3f} of the light: diffuse {scene.diffuse_scale * body:.3f} + "
         f"specular {gloss:.3f} (up to 80 degrees){warning}"
     )
-
-
-def _scan_facts(scan: Scan) -> dict[str, Any]:
-    """Return what a scan file holds."""
-    import numpy as np
-
-    from skinviz.scan import topology
-
-    if scan.mesh is None:
-        return {
-            "views": [
-                f"{view.name}: {view.valid.shape[0]} x {view.valid.shape[1]} cells, "
-                f"{int(view.valid.sum())} returns"
-                for view in scan.views
-            ]
-        }
-    points, faces = topology.arrays(scan.mesh)
-    extent = np.ptp(points, axis=0)
-    return {
-        "mesh": f"{len(points)} vertices, {len(faces)} triangles",
-        "extent": f"{extent[0]:.1f} x {extent[1]:.1f} x {extent[2]:.1f} mm",
-        "pieces": f"{int(topology.face_components(len(points), faces).max()) + 1}",
-        "boundaries": f"{len(topology.boundary_loops(faces))}",
-        "non-manifold edges": f"{topology.n_non_manifold_edges(faces)}",
-    }

@@ -52,12 +52,13 @@ def fields_of(
 ) -> Fields:
     """Return the light that the mesh throws on its own vertices, if declared.
 
-    It is gathered at the vertices ``wanted`` (n,), and 0 elsewhere.
+    It is gathered at the vertices ``wanted`` (n,), and 0 elsewhere. What they throw
+    has cast shadows, whatever the plan has where the eye looks.
     """
     n = len(geometry.points)
     if scene.interreflection == "none" or plan.bounce_rays == 0:
         return Fields(np.zeros((n, 0)), np.zeros((0, spectra.wavelengths.size)))
-    leaving = lit_vertices(geometry, lighting, shadows=plan.shadows)
+    leaving = lit_vertices(geometry, lighting)
     if spectra.body is not None:
         gathered = gather(geometry, leaving, plan.bounce_rays, wanted)
         return Fields(gathered, scene.diffuse_scale * spectra.light * spectra.body)
@@ -69,11 +70,11 @@ def fields_of(
     return _few_fields(gathered, scene.diffuse_scale)
 
 
-def lit_vertices(geometry: Geometry, lighting: Lighting, *, shadows: bool) -> Array:
+def lit_vertices(geometry: Geometry, lighting: Lighting) -> Array:
     """Return what each light gives each vertex (n, n_lights), without wavelength."""
     lit = np.zeros((lighting.rows, len(geometry.points)))
     points, normals = geometry.components
-    visible = trace.vertex_visibility(geometry, lighting) if shadows else None
+    visible = trace.vertex_visibility(geometry, lighting)
     lighting.scalars(points, normals, lit, visible=visible)
     return lit[: len(lighting.lights)].T
 

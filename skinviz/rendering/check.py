@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from skinviz.rendering import trace
 from skinviz.rendering.finding import Finding
 from skinviz.rendering.imager import Image, image_of
+from skinviz.rendering.knobs import KNOBS
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.pilot import point_colours
-from skinviz.rendering.plan import MOST_SAMPLES, cells
-from skinviz.rendering.spectral import white_xyz
+from skinviz.rendering.plan import MOST_SAMPLES, Plan, cells
 from skinviz.rendering.stage import Stage
 from skinviz.rendering.tolerance import colour_differences
 
@@ -31,11 +31,7 @@ def checked(stage: Stage, image: Image) -> tuple[Stage, Image]:
     parts was priced by itself, and its price is taken off the tolerance.
     """
     plan = stage.plan
-    allowed = (plan.tolerance or 0.0) - sum(
-        finding.delta_e or 0.0
-        for finding in plan.findings
-        if finding.knob in ("spectrum", "reflectance", "arithmetic", "bounce")
-    )
+    allowed = (plan.tolerance or 0.0) - _spent(plan)
     exact = stage.replanned(samples=MOST_SAMPLES, refine=None, **_PICTURE)
     rng = np.random.default_rng(_SEED)
     while _saves(stage):
@@ -46,6 +42,17 @@ def checked(stage: Stage, image: Image) -> tuple[Stage, Image]:
         stage = _finer(stage)
         image = image_of(stage)
     return stage, image
+
+
+def _spent(plan: Plan) -> float:
+    """Return what of a plan's tolerance is used up by what was priced by itself."""
+    spent: dict[str, float] = {}
+    groups = {knob.name: knob.group for knob in KNOBS if knob.share is not None}
+    for finding in plan.findings:
+        if finding.knob in groups:
+            group = groups[finding.knob]
+            spent[group] = max(spent.get(group, 0.0), finding.delta_e or 0.0)
+    return sum(spent.values())
 
 
 def _saves(stage: Stage) -> bool:
@@ -79,7 +86,7 @@ def _difference(
     truth = flat.reshape(filled.size, MOST_SAMPLES, 3).mean(axis=1)
     lit = truth[:, 1] > 0
     own = image.xyz[filled][lit].astype(np.float64)
-    differences = colour_differences(own, truth[lit], white_xyz(exact.scene))
+    differences = colour_differences(own, truth[lit], exact.white)
     if differences.size == 0:
         return 0.0, 0
     return float(np.percentile(differences, 99)), differences.size

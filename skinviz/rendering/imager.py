@@ -13,7 +13,6 @@ from skinviz.rendering import kernels
 from skinviz.rendering.expansion import as_single
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.plan import MOST_SAMPLES
-from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.stage import Lit, Stage
 
 Array = NDArray[np.float64]
@@ -107,7 +106,7 @@ def pixel_radiance(
 
 def contrast_white(stage: Stage) -> Array:
     """Return the white (3,) by which contrasts are judged."""
-    white = white_xyz(stage.scene)
+    white = stage.white
     return white if white.min() > 0.01 * white[1] else np.full(3, white[1])
 
 

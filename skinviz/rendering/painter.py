@@ -15,7 +15,7 @@ from skinviz.rendering.expansion import expand_mapped, require_single
 from skinviz.rendering.lighting import body_at
 from skinviz.rendering.plan import cells
 from skinviz.rendering.stage import Lit, Stage
-from skinviz.rendering.tints import Tints, pigments_at, tints_of
+from skinviz.rendering.tints import pigments_at
 from skinviz.rendering.vertices import vertex_xyz
 
 Array = NDArray[np.float64]
@@ -36,11 +36,6 @@ class Painter:
     stage: Stage
 
     @cached_property
-    def tints(self) -> Tints:
-        """Where the tints of mapped skin come from."""
-        return tints_of(self.stage)
-
-    @cached_property
     def vertex_xyz(self) -> Array:
         """XYZ of the vertices (n, 3), where light is computed there."""
         return vertex_xyz(self.stage)
@@ -52,7 +47,7 @@ class Painter:
         if stage.plan.shading == "vertices":
             _ = self.vertex_xyz
         elif stage.colours.spectra.body is None and stage.plan.basis == "shared":
-            _ = self.tints
+            _ = stage.tints
 
     def cast(self, pixels: Whole, samples: int) -> trace.Hits:
         """Cast the first rays of pixels (k,): row × width + column, ascending.
@@ -134,7 +129,7 @@ class Painter:
         kernels.expand_tinted(
             *(hits.pixels, samples),
             np.concatenate([scalars[:n_lights], scalars[lit.rows :]]),
-            self.tints.at(hits),
+            self.stage.tints.at(hits),
             np.ascontiguousarray(scalars[n_lights : lit.rows]),
             *(lit.spectra.shine @ lit.spectra.colour, out),
         )

@@ -21,7 +21,6 @@ from skinviz.rendering import kernels, trace
 from skinviz.rendering.imager import contrast_white
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.plan import MOST_SAMPLES, cells
-from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.stage import Stage
 from skinviz.rendering.tolerance import (
     FEW,
@@ -34,9 +33,13 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 FILLED, EDGES = 1100, 800
-"""Pixels that are drawn, at most: with 1,100, two may differ by more than a bound."""
+"""Pixels that are drawn: of 1,100, two may differ by more than a bound."""
 
-_CANDIDATES = 2 * FILLED  # that one ray each is cast for
+_MOST_FILLED = 3000  # of large pictures, of which 13 may
+_OF_HOW_MANY = 64  # pixels one is drawn
+
+_MOST_DRAWN = 16 * FILLED  # pixels that one ray each is cast for
+_AT_ONCE, _ALONE = 2**16, 2**13  # points of a thread, and too few for two of them
 _SEED = 20051  # of the draw: the same scene has the same pilot
 
 
@@ -71,29 +74,46 @@ class Pilot:
         The scene with the reference's plan.
     filled : Sample
         Pixels that all of their rays fill.
+    weights : (k,) ndarray of int64
+        For how many pixels each of them stands.
     edges : Sample
         Pixels at edges, that some rays miss.
     share : float
         Of the pixels that may show the mesh, how many do. [1]
-    complete : bool
-        Whether ``filled`` are all there are: then the largest difference counts.
+    population : int
+        How many filled pixels the picture has, about; no more than the weights' sum
+        where these are all.
     """
 
     stage: Stage
     filled: Sample
+    weights: Whole
     edges: Sample
     share: float
-    complete: bool
+    population: int
 
     @cached_property
     def white(self) -> Array:
         """The perfect diffuser under light 1 (3,)."""
-        return white_xyz(self.stage.scene)
+        return self.stage.white
 
     @cached_property
     def one_each(self) -> trace.Hits:
         """The first ray of each filled pixel, every one a pixel of its own."""
         return _apart(self.stage, self.filled.pixels, 1)
+
+    @cached_property
+    def exact_full_light(self) -> Array:
+        """XYZ (k, 3) of mapped skin of these rays under full light, by the model."""
+        return self.full_light(self.stage.replanned(bounce_rays=0))
+
+    def full_light(self, stage: Stage) -> Array:
+        """Return XYZ (k, 3) of mapped skin under full light, as a stage has it."""
+        hits = self.one_each
+        out = np.zeros((hits.covered.size, 3))
+        tints = stage.tints.at(hits).reshape(hits.rays.size, -1, 3)
+        out[hits.rays] = tints.sum(axis=1)
+        return out
 
     def judge(self, xyz: Array, reference: Array) -> float:
         """Return a bound on the 99th percentile of how filled pixels (k, 3) differ.
@@ -102,12 +122,14 @@ class Pilot:
         """
         lit = reference[:, 1] > 0
         differences = colour_differences(xyz[lit], reference[lit], self.white)
-        return percentile_bound(differences, all_of_them=self.complete)
+        differences = np.repeat(differences, self.weights[lit])
+        unlit = int(self.weights[~lit].sum())
+        return percentile_bound(differences, self.population - unlit)
 
     def edges_kept(self, xyz: Array, reference: Array, tolerance: float) -> bool:
         """Return whether edge pixels (k, 3) differ by no more than they may."""
         differences = colour_differences(xyz, reference, self.white)
-        if self.complete or differences.size < EDGES // 8:
+        if self.population < FEW or differences.size < EDGES // 8:
             bound = float(differences.max(initial=0.0))
         else:
             bound = float(np.percentile(differences, 99))
@@ -158,52 +180,128 @@ def point_colours(painter: Painter, hits: trace.Hits) -> Array:
         out[hits.rays[part]] = painter.colours(own, 1)
 
     m = hits.rays.size
-    in_slices(work, m, even_size(m, 2**16))
+    in_slices(work, m, even_size(m, _AT_ONCE) if m > _ALONE else m)
     return out
 
 
 def pilot_of(stage: Stage) -> Pilot:
     """Draw a pilot of a scene, and trace it."""
     rng = np.random.default_rng(_SEED)
-    candidates, drawn = _candidates(stage, rng)
-    seen = trace.cast(stage.sight, stage.plan.cells[:1], candidates).covered > 0
-    hit = candidates[seen]
+    draw = _drawn(stage, rng)
+    pixels, weights = _thinned(draw, rng)
     outlined = stage.sight.outlines.ravel()
-    # Only what an outline crosses can be filled where its one ray is not.
     edges = np.flatnonzero(outlined)
-    few = bool(drawn == 1 and hit.size < FEW + edges.size)
-    if few:
-        hit = np.union1d(hit, candidates[outlined[candidates]])
-    elif hit.size > FILLED:
-        hit = np.sort(rng.choice(hit, FILLED, replace=False))
-    if edges.size > EDGES and not few:
+    few = draw.every and pixels.size == np.count_nonzero(draw.seen)
+    if few:  # only what an outline crosses can be filled where its one ray is not
+        more = np.setdiff1d(draw.pixels[outlined[draw.pixels]], pixels)
+        pixels = np.concatenate([pixels, more])
+        weights = np.concatenate([weights, np.ones(more.size, np.int64)])
+    elif edges.size > EDGES:
         edges = np.sort(rng.choice(edges, EDGES, replace=False))
+    order = np.argsort(pixels)
     _ = stage.geometry.embree, stage.sight.frame  # once, not in each thread
     with ThreadPoolExecutor(2) as pool:
         rims = pool.submit(
             _traced, stage, edges, lambda n: (n > 0) & (n < MOST_SAMPLES)
         )
-        filled = _traced(stage, hit, lambda n: n == MOST_SAMPLES)
-    complete = few and filled.pixels.size < FEW
+        filled, which = _traced(stage, pixels[order], lambda n: n == MOST_SAMPLES)
     return Pilot(
-        stage, filled, rims.result(), float(seen.mean()) if seen.size else 0.0, complete
+        stage,
+        filled,
+        weights[order][which],
+        rims.result()[0],
+        float(draw.seen.mean()) if draw.seen.size else 0.0,
+        filled.pixels.size if few else int(draw.seen.mean() * draw.population),
     )
 
 
-def _candidates(stage: Stage, rng: np.random.Generator) -> tuple[Whole, int]:
-    """Return pixels (k,) drawn evenly from those that may show the mesh.
+@dataclass(frozen=True, eq=False)
+class _Draw:
+    """Pixels that may show the mesh, one ray cast for each.
 
-    With them comes of how many each is one: 1 where these are all.
+    Attributes
+    ----------
+    pixels : (k,) ndarray
+        Ascending.
+    seen, lit : (k,) ndarray of bool
+        Whether the ray finds skin, and a light that reaches it.
+    population : int
+        How many pixels may show the mesh.
     """
+
+    pixels: Whole
+    seen: NDArray[np.bool_]
+    lit: NDArray[np.bool_]
+    population: int
+
+    @property
+    def every(self) -> bool:
+        """Whether these are all pixels that may show the mesh."""
+        return self.pixels.size == self.population
+
+    @property
+    def enough(self) -> int:
+        """How many pixels are to be traced in full: more of large pictures."""
+        return int(np.clip(self.population / _OF_HOW_MANY, FILLED, _MOST_FILLED))
+
+
+def _drawn(stage: Stage, rng: np.random.Generator) -> _Draw:
+    """Draw pixels evenly, as many as it takes to have enough lit ones."""
     block, marked = stage.sight.blocks
     width, height = stage.sight.view.size
     wide = np.repeat(np.repeat(marked, block, axis=0), block, axis=1)
     pixels = np.flatnonzero(wide[:height, :width])
-    step = -(-pixels.size // _CANDIDATES)
-    if step <= 1:
-        return pixels, 1
-    first = np.arange(0, pixels.size - step + 1, step)
-    return pixels[first + rng.integers(0, step, first.size)], step
+    draw = _cast_one(stage, pixels, 2 * FILLED, rng)
+    lit = int(draw.lit.sum())
+    if lit < draw.enough and not draw.every:
+        wanted = draw.pixels.size * 1.3 * draw.enough / max(lit, 1)
+        draw = _cast_one(stage, pixels, int(min(wanted, _MOST_DRAWN)), rng)
+    return draw
+
+
+def _cast_one(stage: Stage, pixels: Whole, n: int, rng: np.random.Generator) -> _Draw:
+    """Draw about ``n`` of some pixels evenly, and cast one ray for each."""
+    population = pixels.size
+    step = population / n if n else 1.0
+    if step > 1:
+        first = np.floor(np.arange(n) * step).astype(np.int64)
+        last = np.floor(np.arange(1, n + 1) * step).astype(np.int64)
+        pixels = pixels[rng.integers(first, np.maximum(last, first + 1))]
+    hits = trace.cast(stage.sight, stage.plan.cells[:1], pixels)
+    lit = np.zeros(pixels.size, dtype=np.bool_)
+    lit[hits.pixels] = _reached(stage, hits)
+    return _Draw(pixels, hits.covered > 0, lit, population)
+
+
+def _reached(stage: Stage, hits: trace.Hits) -> NDArray[np.bool_]:
+    """Return whether any light reaches points (m,)."""
+    if stage.scene.interreflection != "none":  # then some reaches all but everywhere
+        return np.ones(hits.rays.size, dtype=np.bool_)
+    lit = stage.replanned(bounce_rays=0).colours
+    scalars = Painter(stage).scalars(lit, hits)
+    return np.asarray(scalars[: len(lit.spectra.light)].max(axis=0) > 0)
+
+
+def _thinned(draw: _Draw, rng: np.random.Generator) -> tuple[Whole, Whole]:
+    """Return the pixels to be traced in full, and for how many each one stands.
+
+    Lit ones are wanted. Of those that their one ray finds dark a part will do, for few
+    of them are lit at all.
+    """
+    lit, dark = draw.pixels[draw.lit], draw.pixels[draw.seen & ~draw.lit]
+    enough = draw.enough
+    if draw.every and lit.size + dark.size <= 2 * enough:
+        both = np.concatenate([lit, dark])
+        return both, np.ones(both.size, np.int64)
+    share = 1.0
+    if lit.size > enough:
+        share = enough / lit.size
+        lit = rng.choice(lit, enough, replace=False)
+    n_dark = min(dark.size, int(share * dark.size) + 1, enough // 4)
+    stands = max(1, round(share * dark.size / n_dark)) if n_dark else 1
+    dark = rng.choice(dark, n_dark, replace=False)
+    weights = np.repeat([1, stands], [lit.size, dark.size])
+    return np.concatenate([lit, dark]), weights
 
 
 def _apart(stage: Stage, pixels: Whole, samples: int) -> trace.Hits:
@@ -214,12 +312,16 @@ def _apart(stage: Stage, pixels: Whole, samples: int) -> trace.Hits:
 
 def _traced(
     stage: Stage, pixels: Whole, wanted: Callable[[Whole], NDArray[np.bool_]]
-) -> Sample:
-    """Trace all rays of pixels; return those ``wanted`` by how many hit the mesh."""
+) -> tuple[Sample, NDArray[np.bool_]]:
+    """Trace all rays of pixels; return those ``wanted`` by how many hit the mesh.
+
+    With them comes which these are.
+    """
     hits = trace.cast(stage.sight, cells(MOST_SAMPLES), pixels)
     which = wanted(hits.covered.astype(np.int64))
     rank = np.cumsum(which) - 1
     kept = np.flatnonzero(which[hits.pixels])
     pixel, ray = np.divmod(hits.rays[kept], MOST_SAMPLES)
     own = dataclasses.replace(hits.part(kept), rays=rank[pixel] * MOST_SAMPLES + ray)
-    return Sample(pixels[which], own.apart(int(which.sum()) * MOST_SAMPLES))
+    sample = Sample(pixels[which], own.apart(int(which.sum()) * MOST_SAMPLES))
+    return sample, which

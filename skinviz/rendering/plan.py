@@ -30,7 +30,7 @@ SAMPLES = (1, 2, 4, 8, 16)
 
 MOST_SAMPLES = SAMPLES[-1]
 
-SPECTRA = ("4 nodes", "6 nodes", "8 nodes", "16", "31", "scene", "1 nm")
+SPECTRA = ("6 nodes", "10 nodes", "16", "31", "scene", "1 nm")
 """Where colours are summed over wavelengths, from cheap to exact."""
 
 REFLECTANCES = ("vertices", "table", "model")
@@ -58,7 +58,7 @@ class Plan:
     samples : {16, 8, 4, 2, 1}
         Rays a pixel: places of one fixed 4 × 4 grid, or a subset of them.
     shadows : bool
-        Whether lights are tested for what stands between.
+        Whether lights are tested for what stands between them and what is seen.
     bounce_rays : int
         Directions in which a vertex looks for light from other parts, where the
         scene declares interreflection. 0 (none) or 16 to 65,536

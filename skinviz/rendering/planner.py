@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +12,8 @@ from skinviz.rendering.finding import Finding
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.knobs import KNOBS, Knob, Setting, sampling
 from skinviz.rendering.knobs.knob import MS
-from skinviz.rendering.pilot import pilot_of
-from skinviz.rendering.plan import Plan
+from skinviz.rendering.pilot import FILLED, pilot_of
+from skinviz.rendering.plan import MOST_SAMPLES, Plan
 from skinviz.rendering.rates import Rates, machine_rates
 from skinviz.rendering.stage import Stage, stage_of
 from skinviz.rendering.trial import Trial
@@ -22,11 +23,10 @@ from skinviz.scene.scene import Scene
 TIGHTEST, LOOSEST = 0.01, 100.0
 """Tolerances that may be asked for. [ΔE00]"""
 
-_PILOT_RAYS = 6e4  # that a pilot casts, with its shadows and its neighbours
-_PILOT_FIXED = 4.0  # ms, whatever the scene
+_TRIAL_FIXED = 2.0  # ms, whatever the scene
+_PILOT_TRIALS = 4.0  # that a pilot costs, and must be worth
 _FEW_RAYS: Setting = {"samples": 1, "refine": 8.0}  # that may do, in the end
 _NEVER = 1e6  # a contrast that no pixel has
-_WORTH = 0.5  # of what could be saved, that finding out may cost
 
 
 def plan(
@@ -73,7 +73,7 @@ def planned(stage: Stage, tolerance: float) -> Stage:
     in_range(tolerance, TIGHTEST, LOOSEST, "tolerance", "ΔE00")
     work, rates = work_of(stage), machine_rates()
     search = _Search(stage, tolerance, work, rates)
-    if search.most_saved() > search.pilot_cost / _WORTH:
+    if search.most_saved() > _PILOT_TRIALS * search.trial_cost:
         search.decide()
     return search.result()
 
@@ -90,19 +90,24 @@ class _Search:
     def __post_init__(self) -> None:
         """Begin at the reference."""
         self.base = self.stage = self.reference
-        self.left = self.tolerance
+        self.spent: dict[str, float] = {}
         self.found: dict[str, tuple[float | None, str, float | None]] = {}
 
     @property
-    def pilot_cost(self) -> float:
-        """What a pilot takes, about. [ms]"""
-        rates = self.rates
-        each = rates.ray + self.work.lights * (rates.shadow + rates.point + rates.index)
-        return _PILOT_FIXED + _PILOT_RAYS * each * MS / processors()
+    def left(self) -> float:
+        """What of the tolerance is not used up by what is priced by itself."""
+        return self.tolerance - sum(self.spent.values())
 
-    def cost(self, plan: Plan) -> float:
+    @property
+    def trial_cost(self) -> float:
+        """What it takes to find out about a level, about. [ms]"""
+        few = Work(self.reference, 1.3 * FILLED, 1.0, 0.0)
+        plan = self.stage.plan.replace(samples=MOST_SAMPLES, refine=None, bounce_rays=0)
+        return _TRIAL_FIXED + self.cost(plan, few)
+
+    def cost(self, plan: Plan, work: Work | None = None) -> float:
         """Return what a plan takes, about. [ms]"""
-        each = sum(knob.cost(plan, self.work, self.rates) for knob in KNOBS)
+        each = sum(knob.cost(plan, work or self.work, self.rates) for knob in KNOBS)
         return each * MS / processors()
 
     def most_saved(self) -> float:
@@ -118,7 +123,7 @@ class _Search:
         pilot = pilot_of(self.reference)
         if pilot.filled.pixels.size == 0:
             return
-        self.work = Work(self.reference, pilot.share, {})
+        self.work = dataclasses.replace(self.work, share=pilot.share, rough={})
         trial = Trial(pilot, self.base, self.stage)
         for knob in KNOBS:
             if knob is sampling.KNOB:
@@ -132,11 +137,15 @@ class _Search:
         dearest = self._least(exact)
         allowed = self.left if knob.share is None else knob.share * self.tolerance
         told: tuple[str, float | None] = ("", None)
+        price = knob.price(self.work, self.rates) if knob.price else 0.0
+        price = self.trial_cost + price * MS / processors()
         for level in sorted(levels, key=self._least):
-            if self._least(level) > dearest - self.trial_cost:
+            if self._least(level) > dearest - price:
                 break
             difference = knob.measure(trial, level)  # type: ignore[misc]
-            if difference <= allowed and trial.edges_bear(level, allowed):
+            if difference <= allowed and (
+                knob.share is not None or trial.edges_bear(level, allowed)
+            ):
                 return self._choose(knob, level, difference, told, trial)
             told = (knob.told(self.stage.plan.replace(**level)), difference)
         self.found[knob.name] = (None if told[1] is None else 0.0, *told)
@@ -145,11 +154,6 @@ class _Search:
     def _least(self, level: Setting) -> float:
         """Return what a level may cost when few samples will be taken. [ms]"""
         return self.cost(self.stage.plan.replace(**{**_FEW_RAYS, **level}))
-
-    @property
-    def trial_cost(self) -> float:
-        """What it takes to find out about a level, about. [ms]"""
-        return self.pilot_cost / 4
 
     def _sample(self, trial: Trial) -> Trial:
         """Choose how many rays pixels have: the cheapest that suffices."""
@@ -190,7 +194,7 @@ class _Search:
         self.stage = self.stage.replanned(**level)
         if knob.share is not None:
             self.base = self.base.replanned(**level)
-            self.left -= difference
+            self.spent[knob.group] = difference
             self.found[knob.name] = (difference, *refused)
             return Trial(trial.pilot, self.base, self.stage)
         alone = difference

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,14 @@ from skinviz.rendering.geometry import Geometry, geometry_of
 from skinviz.rendering.lighting import Lighting, Spectra, lighting_of, spectra_of
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.sight import Sight
-from skinviz.rendering.spectral import colour_rule, spectra_rule
+from skinviz.rendering.spectral import colour_rule, spectra_rule, white_xyz
+from skinviz.rendering.tints import Tints, tints_of
 from skinviz.scene.lights import Light
 from skinviz.scene.scene import Scene
 from skinviz.spectra.rules import SpectralRule
 
 Array = NDArray[np.float64]
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,27 +69,53 @@ class Stage:
         Its mesh, and who looks at it.
     wanted : (n,) ndarray of bool
         At which vertices light is wanted.
+    memo : dict
+        What was made of the scene already, by the settings of plans that it owes to.
     """
 
     scene: Scene
     plan: Plan
     sight: Sight
     wanted: NDArray[np.bool_]
+    memo: dict[tuple[Any, ...], Any] = field(default_factory=dict, repr=False)
 
     @property
     def geometry(self) -> Geometry:
         """The mesh."""
         return self.sight.geometry
 
-    @cached_property
+    @property
     def colours(self) -> Lit:
         """Light as the plan sums it up for eyes."""
-        return self._lit(colour_rule(self.scene, self.plan.spectrum))
+        settings = ("spectrum", *self._light_settings)
+        return self._once("colours", settings, lambda: self._lit(self.rule))
 
-    @cached_property
+    @property
     def bands(self) -> Lit:
         """Light at the scene's own wavelengths."""
-        return self._lit(spectra_rule(self.scene))
+        rule = spectra_rule
+        return self._once(
+            "bands", self._light_settings, lambda: self._lit(rule(self.scene))
+        )
+
+    @property
+    def tints(self) -> Tints:
+        """Where the tints of mapped skin come from."""
+        settings = ("spectrum", *self._light_settings, "reflectance", "arithmetic")
+        return self._once("tints", settings, lambda: tints_of(self))
+
+    @property
+    def rule(self) -> SpectralRule:
+        """By which the plan sums up colours."""
+        spectrum = self.plan.spectrum
+        return self._once(
+            "rule", ("spectrum",), lambda: colour_rule(self.scene, spectrum)
+        )
+
+    @property
+    def white(self) -> Array:
+        """XYZ (3,) of the perfect diffuser that faces light 1."""
+        return self._once("white", (), lambda: white_xyz(self.scene))
 
     def relit(self, lights: Iterable[Light]) -> Stage:
         """Return the stage under other lights: what a light that moves costs.
@@ -95,48 +123,51 @@ class Stage:
         Where only places change, the light's spectra are not computed anew.
         """
         scene = self.scene.replace(lights=tuple(lights))
-        stage = dataclasses.replace(self, scene=scene)
-        if _alike(self.scene, scene) and "colours" in self.__dict__:
+        stage = dataclasses.replace(self, scene=scene, memo={})
+        if _alike(self.scene, scene):
             old = self.colours
             lighting = lighting_of(scene, self.sight, old.lighting.indices)
-            stage.__dict__["colours"] = self._shone(scene, lighting, old.spectra)
+            settings = ("spectrum", *self._light_settings)
+            stage._once(
+                "colours", settings, lambda: stage._shone(lighting, old.spectra)
+            )
         return stage
 
     def replanned(self, **changes: Any) -> Stage:
         """Return the stage with some of its plan changed; what stays is not redone."""
-        plan = self.plan.replace(**changes)
-        stage = dataclasses.replace(self, plan=plan)
-        same = all(
-            getattr(plan, name) == getattr(self.plan, name)
-            for name in self._light_settings
-        )
-        for name in ("colours", "bands"):
-            if same and name in self.__dict__:
-                stage.__dict__[name] = self.__dict__[name]
-        return stage
+        return dataclasses.replace(self, plan=self.plan.replace(**changes))
 
     def only_at(self, wanted: NDArray[np.bool_]) -> Stage:
         """Return the stage with light wanted at other vertices (n,)."""
-        return dataclasses.replace(self, wanted=wanted)
+        kept = {key: value for key, value in self.memo.items() if key[0] == "rule"}
+        return dataclasses.replace(self, wanted=wanted, memo=kept)
+
+    def _once(
+        self, name: str, settings: tuple[str, ...], make: Callable[[], Made]
+    ) -> Made:
+        """Return what is made of the scene by some settings, made once for each."""
+        key = (name, *(getattr(self.plan, setting) for setting in settings))
+        if key not in self.memo:
+            self.memo[key] = make()
+        return cast(Made, self.memo[key])
 
     @property
     def _light_settings(self) -> tuple[str, ...]:
         """What of the plan the light depends on before any ray is cast."""
-        settings = ("spectrum", "specular", "basis")
         if self.scene.interreflection == "none":
-            return settings
-        return (*settings, "bounce_rays", "shadows")
+            return ("specular", "basis")
+        return ("specular", "basis", "bounce_rays")
 
     def _lit(self, rule: SpectralRule) -> Lit:
         """Return the scene's light as one rule samples it."""
         spectra, indices = spectra_of(self.scene, rule, self.plan)
-        lighting = lighting_of(self.scene, self.sight, indices)
-        return self._shone(self.scene, lighting, spectra)
+        return self._shone(lighting_of(self.scene, self.sight, indices), spectra)
 
-    def _shone(self, scene: Scene, lighting: Lighting, spectra: Spectra) -> Lit:
+    def _shone(self, lighting: Lighting, spectra: Spectra) -> Lit:
         """Return light with what the mesh throws on itself."""
         fields = fields_of(
-            *(scene, self.geometry, lighting, spectra, self.plan), wanted=self.wanted
+            *(self.scene, self.geometry, lighting, spectra, self.plan),
+            wanted=self.wanted,
         )
         return Lit(lighting, spectra, fields)
 

@@ -115,15 +115,16 @@ def compare(
     )
 
 
-def percentile_bound(differences: Array, *, all_of_them: bool = False) -> float:
+def percentile_bound(differences: Array, population: int) -> float:
     """Return what the 99th percentile is below, with 99.9 % confidence.
 
     Parameters
     ----------
     differences : (n,) ndarray
-        Of pixels drawn at random, or of all.
-    all_of_them : bool
-        Whether they are all there are: then the largest counts.
+        Of pixels drawn at random.
+    population : int
+        How many there are to draw from, at least n. If they are fewer than ``FEW``
+        and all of them are here, the largest counts.
 
     Returns
     -------
@@ -132,23 +133,34 @@ def percentile_bound(differences: Array, *, all_of_them: bool = False) -> float:
         ``inf`` where the sample is too small to tell.
     """
     n = differences.size
-    if all_of_them:
+    if n >= population and population < FEW:
         return float(differences.max(initial=0.0))
-    spare = _spare(n)
+    spare = _spare(n, max(n, population))
     if spare < 0:
         return np.inf
     return float(np.partition(differences, n - 1 - spare)[n - 1 - spare])
 
 
 @lru_cache
-def _spare(n: int) -> int:
-    """Return how many of ``n`` draws may exceed a value that is then a bound; or -1."""
-    from scipy.special import bdtr
+def _spare(n: int, population: int) -> int:
+    """Return how many of ``n`` draws may exceed a value that is then a bound; or -1.
 
-    spare = -1
-    while spare + 1 < n and bdtr(spare + 1, n, _SHARE) <= _DOUBT:
-        spare += 1
-    return spare
+    If it were no bound, more than one in a hundred would exceed it: the chance of so
+    few among the draws, which are not put back, is hypergeometric.
+    """
+    from scipy.special import gammaln
+
+    beyond = int(_SHARE * population) + 1
+
+    def choices(of: int, some: NDArray[np.int64]) -> Array:
+        return np.asarray(
+            gammaln(of + 1.0) - gammaln(some + 1.0) - gammaln(of - some + 1.0)
+        )
+
+    few = np.arange(max(0, n - (population - beyond)), min(n, beyond) + 1)
+    log = choices(beyond, few) + choices(population - beyond, n - few)
+    chance = np.cumsum(np.exp(log - choices(population, np.array([n]))))
+    return int(few[0]) - 1 + int(np.searchsorted(chance, _DOUBT, side="right"))
 
 
 def _percentile(differences: Array) -> float:

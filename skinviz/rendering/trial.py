@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
+from skinviz.rendering.knobs.bounce import TRIAL_RAYS
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.pilot import Pilot, point_colours
 from skinviz.rendering.plan import MOST_SAMPLES
@@ -19,8 +20,6 @@ from skinviz.rendering.stage import Stage
 Array = NDArray[np.float64]
 Setting = Mapping[str, Any]
 
-_BOUNCE_PIXELS = 750  # enough for a bound
-_BOUNCE_RAYS = 64  # by which fewer are judged
 _GAIN = 2.0  # by which four times as many rays are surely better
 
 
@@ -88,58 +87,43 @@ class Trial:
     def body_difference(self, setting: Setting) -> float:
         """Return a bound on what another reflectance or its sum changes. [ΔE00]
 
-        Judged by one ray of each pixel, without light between parts, against the
-        model at every nanometre.
+        Judged at one point of each pixel against the model at every nanometre, as if
+        all lights met it at normal incidence and nothing shone: no point is brighter
+        but by its shine, which has no such error.
         """
-        painter = Painter(self.stage.replanned(**setting, bounce_rays=0))
+        stage = self.stage.replanned(**setting, bounce_rays=0)
         try:
-            changed = point_colours(painter, self.pilot.one_each)
+            own = self.pilot.full_light(stage)
         except ArgumentError:  # bands that one of the lamps does not cover
             return float("inf")
-        return self.pilot.judge(changed, self._exact_body)
-
-    @cached_property
-    def _exact_body(self) -> Array:
-        """XYZ of one ray of each filled pixel, without light between parts."""
-        painter = Painter(self.pilot.stage.replanned(bounce_rays=0))
-        return point_colours(painter, self.pilot.one_each)
+        return self.pilot.judge(own, self.pilot.exact_full_light)
 
     def bounce_difference(self, setting: Setting) -> float:
         """Return a bound on what fewer rays between parts change. [ΔE00]
 
-        Judged by one ray of some pixels, and vertices that look in 64 directions: the
+        Judged by one ray of each pixel, and vertices that look in 64 directions: the
         many of the reference would cost as much as the picture.
         """
         n = setting["bounce_rays"]
-        if n >= _BOUNCE_RAYS:  # by the sixteen's error, which falls at least as 1/√n
+        if n >= TRIAL_RAYS:  # by the sixteen's error, which falls at least as 1/√n
             return self._gathered_difference(16) / _GAIN
         return self._gathered_difference(n)
 
     def _gathered_difference(self, n_rays: int) -> float:
         """Return a bound on what ``n_rays`` change against 64. [ΔE00]"""
-        reference = self._gathered(_BOUNCE_RAYS)
-        return self.pilot.judge(self._gathered(n_rays), reference)
+        own, reference = self._gathered(n_rays), self._gathered(TRIAL_RAYS)
+        return self.pilot.judge(own, reference)
 
     def _gathered(self, n_rays: int) -> Array:
-        """Return XYZ (k, 3) of one ray of some pixels with so many rays a vertex."""
+        """Return XYZ (k, 3) of one ray of each pixel with so many rays a vertex."""
         if n_rays in self._found:
             return self._found[n_rays]
-        hits = self._some
+        hits = self.pilot.one_each
         wanted = np.zeros(len(self.stage.geometry.points), dtype=np.bool_)
         wanted[self.stage.geometry.faces[hits.triangles]] = True
         stage = self.stage.only_at(wanted).replanned(bounce_rays=n_rays)
         self._found[n_rays] = point_colours(Painter(stage), hits)
         return self._found[n_rays]
-
-    @cached_property
-    def _some(self) -> Any:
-        """One ray of some of the filled pixels."""
-        hits = self.pilot.one_each
-        few = min(_BOUNCE_PIXELS, hits.rays.size)
-        if self.pilot.complete:
-            few = hits.rays.size
-        which = np.linspace(0, hits.rays.size - 1, few).astype(np.int64)
-        return hits.part(which)
 
     def sampling_difference(self, setting: Setting) -> float:
         """Return a bound on what fewer samples change in filled pixels. [ΔE00]"""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,15 +25,21 @@ class Work:
     ----------
     stage : Stage
         The scene, ready.
+    pixels : float
+        How many pixels may show the mesh.
     share : float
-        Of the pixels that may show the mesh, how many do. [1]
+        How many of these do. [1]
+    outlined : float
+        How many an outline crosses.
     rough : dict of (int, float) to float
         The share of pixels that have all samples, by ``samples`` and ``refine``.
     """
 
     stage: Stage
+    pixels: float
     share: float
-    rough: dict[tuple[int, float], float]
+    outlined: float
+    rough: dict[tuple[int, float], float] = field(default_factory=dict)
 
     @property
     def mapped(self) -> bool:
@@ -61,18 +66,6 @@ class Work:
         """How many numbers a tint has."""
         return _NODES * (self.lights + (4 if self.bounces and self.mapped else 0))
 
-    @cached_property
-    def pixels(self) -> float:
-        """How many pixels may show the mesh."""
-        block, marked = self.stage.sight.blocks
-        width, height = self.stage.sight.view.size
-        return min(float(marked.sum()) * block**2, float(width * height))
-
-    @cached_property
-    def outlined(self) -> float:
-        """How many pixels an outline crosses."""
-        return float(np.count_nonzero(self.stage.sight.outlines))
-
     def rays(self, plan: Plan) -> float:
         """How many rays a plan casts from the eye."""
         if plan.refine is None or plan.samples == MOST_SAMPLES:
@@ -91,4 +84,11 @@ class Work:
 
 def work_of(stage: Stage) -> Work:
     """Return what a scene asks for, by what is known without a ray."""
-    return Work(stage, _USUAL_SHARE, {})
+    block, marked = stage.sight.blocks
+    width, height = stage.sight.view.size
+    return Work(
+        stage,
+        pixels=min(float(marked.sum()) * block**2, float(width * height)),
+        share=_USUAL_SHARE,
+        outlined=float(np.count_nonzero(stage.sight.outlines)),
+    )

@@ -20,7 +20,7 @@ from skinviz.scan.checks import require_hand_size, require_triangles
 from skinviz.scan.merge import Merged, merge, unsupported_regions
 from skinviz.scan.meshlab import DEFAULT_TIMEOUT, Filter, run_filters
 from skinviz.scan.report import CleaningReport, Progress, Recorder
-from skinviz.scan.scan import Scan, transform
+from skinviz.scan.scan import Scan, no_surface, transform
 from skinviz.scan.topology import Faces, Points
 from skinviz.scan.views import PatchCounts, make_patch
 from skinviz.scan.wrist import cut_wrist
@@ -105,6 +105,8 @@ def clean_scan(
     elif scan.mesh is not None:
         points, faces = require_triangles(scan.mesh, scan.source or "mesh")
         require_hand_size(points, scan.source or "mesh")
+    elif scan.cloud is not None:
+        raise no_surface(scan.cloud, scan.source or "scan")
     else:
         raise MeshError(f"{scan.source or 'scan'} has neither views nor a mesh")
     points, faces = _repair(points, faces, timeout, recorder)

@@ -1,4 +1,4 @@
-"""What a scan is: range views with their poses, or a mesh, in millimetres.
+"""What a scan is: range views with their poses, a mesh or bare points, in millimetres.
 
 Reading files belongs in ``scan.formats``, cleaning in ``scan.clean``.
 """
@@ -21,6 +21,10 @@ MILLIMETRES = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "inch": 25.4}
 """Length of each accepted unit. [mm]"""
 
 
+class MissingUnitError(MeshError):
+    """Neither the file nor its reader's caller says what unit its lengths have."""
+
+
 @dataclass(frozen=True)
 class RangeView:
     """One view of a range scanner: a grid of points and where it was taken.
@@ -30,15 +34,18 @@ class RangeView:
     name : str
         What the view is called, usually its file name.
     points : (rows, columns, 3) ndarray of float64
-        Points in the sensor's frame, z towards the sensor, NaN where there was
-        no return. [mm]
+        Points in the sensor's frame, NaN where there was no return. [mm]
     pose : (4, 4) ndarray of float64
         Rigid motion from the sensor's frame to the scan's.
+    eye : (3,) ndarray of float64, optional
+        Where the rays meet, in the sensor's frame. None if they are parallel to z,
+        which then points towards the sensor. [mm]
     """
 
     name: str
     points: NDArray[np.float64]
     pose: NDArray[np.float64]
+    eye: NDArray[np.float64] | None = None
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -47,8 +54,24 @@ class RangeView:
 
 
 @dataclass(frozen=True)
+class PointCloud:
+    """Points that no grid and no triangle joins.
+
+    Attributes
+    ----------
+    points : (n, 3) ndarray of float64
+        In the scan's frame. [mm]
+    normals : (n, 3) ndarray of float64, optional
+        Unit vectors, where the file has them.
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
 class Scan:
-    """Raw input to cleaning: range views, a mesh, or both, in millimetres.
+    """What a file of a scan or a mesh holds, in millimetres.
 
     Attributes
     ----------
@@ -56,6 +79,8 @@ class Scan:
         Views that keep their grid and pose.
     mesh : pyvista.PolyData or None
         Triangles, where the file had triangles.
+    cloud : PointCloud or None
+        Bare points, where the file had no more.
     source : str
         The file it came from.
     """
@@ -63,6 +88,16 @@ class Scan:
     views: tuple[RangeView, ...] = ()
     mesh: pyvista.PolyData | None = None
     source: str = field(default="", compare=False)
+    cloud: PointCloud | None = None
+
+
+def no_surface(cloud: PointCloud, source: str) -> MeshError:
+    """Return the error that bare points meet where a surface is needed."""
+    return MeshError(
+        f"{source} has {len(cloud.points)} points but no faces and no grid to join "
+        "them by; write the scan as range views (.conf, .ptx) or as a mesh in the "
+        "scanner's program"
+    )
 
 
 def transform(
@@ -76,9 +111,13 @@ def scale_to_millimetres(
     given: str | None, source: str, stated: str | None = None
 ) -> float:
     """Return the factor to mm, from the unit given or the one that a file states."""
-    for unit in (given, stated):
-        if unit is not None:
-            one_of(unit, MILLIMETRES, "unit of length")
+    if given is not None:
+        one_of(given, MILLIMETRES, "unit of length")
+    if stated is not None and stated not in MILLIMETRES:
+        raise MeshError(
+            f"{source}: states {stated!r} as its unit of length, which is none of "
+            f"{', '.join(MILLIMETRES)}; correct it or take it out"
+        )
     if given is not None and stated is not None and given != stated:
         raise MeshError(
             f"{source}: the file states its unit as {stated}, and {given} was given; "
@@ -86,7 +125,7 @@ def scale_to_millimetres(
         )
     unit = given if given is not None else stated
     if unit is None:
-        raise MeshError(
+        raise MissingUnitError(
             f"{source}: the format states no unit of length; say it with "
             f"unit= or --unit ({', '.join(MILLIMETRES)})"
         )

@@ -32,16 +32,21 @@ class PatchCounts:
 
 
 def triangulate(
-    points: NDArray[np.float64], max_incidence: float
+    points: NDArray[np.float64],
+    max_incidence: float,
+    eye: NDArray[np.float64] | None = None,
 ) -> tuple[Points, Faces, int]:
     """Join neighbouring returns of a grid into triangles, without bridges.
 
     Parameters
     ----------
     points : (rows, columns, 3) ndarray
-        Grid in the sensor's frame, z towards the sensor, NaN for no return. [mm]
+        Grid in the sensor's frame, NaN for no return. [mm]
     max_incidence : float
         Triangles seen at a larger angle from their normal are dropped. [rad]
+    eye : (3,) ndarray, optional
+        Where the rays meet; None if they are parallel to z, which points towards
+        the sensor. [mm]
 
     Returns
     -------
@@ -53,7 +58,7 @@ def triangulate(
     valid = np.isfinite(points).all(axis=-1)
     index = np.full(valid.shape, -1, dtype=np.int64)
     index[valid] = np.arange(valid.sum())
-    height = points[..., 2]
+    height = points[..., 2] if eye is None else np.linalg.norm(points - eye, axis=-1)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
     down = np.abs(height[:-1, :-1] - height[1:, 1:])
     up = np.abs(height[:-1, 1:] - height[1:, :-1])
@@ -68,11 +73,22 @@ def triangulate(
     faces = faces[(faces >= 0).all(axis=1)]
     flat = points[valid]
     normals = topology.face_vectors(flat, faces)
-    if normals[:, 2].sum() < 0:  # grids may run either way round
-        faces, normals = faces[:, ::-1], -normals
+    towards = normals[:, 2] if eye is None else _towards(eye, flat, faces, normals)
+    if towards.sum() < 0:  # grids may run either way round
+        faces, towards = faces[:, ::-1], -towards
     length = np.linalg.norm(normals, axis=1)
-    facing = normals[:, 2] > np.cos(max_incidence) * length
+    facing = towards > np.cos(max_incidence) * length
     return flat, faces[facing], int((~facing).sum())
+
+
+def _towards(
+    eye: NDArray[np.float64], points: Points, faces: Faces, vectors: Points
+) -> NDArray[np.float64]:
+    """Return the part of each face's vector that points to where the rays meet."""
+    rays = eye - points[faces].mean(axis=1)
+    length = np.linalg.norm(rays, axis=1)
+    along = np.einsum("ij,ij->i", vectors, rays)
+    return np.asarray(along / np.where(length > 0, length, 1))
 
 
 def drop_islands(n_points: int, faces: Faces, min_faces: int) -> Faces:
@@ -125,7 +141,7 @@ def make_patch(
     MeshError
         If nothing is left.
     """
-    points, all_faces, bridges = triangulate(view.points, max_incidence)
+    points, all_faces, bridges = triangulate(view.points, max_incidence, view.eye)
     kept = drop_islands(len(points), all_faces, min_island)
     inner = drop_islands(len(points), erode_rim(kept, rim_rings), min_island)
     if len(inner) == 0:

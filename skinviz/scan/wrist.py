@@ -10,6 +10,17 @@ from skinviz.scan.merge import Merged
 from skinviz.scan.topology import Faces, Points
 
 
+def wrist_loop(points: Points, faces: Faces) -> NDArray[np.int64] | None:
+    """Return the points around the widest opening of a hand mesh, or None.
+
+    A scan may have other holes, with more points even; none is as wide.
+    """
+    loops = topology.boundary_loops(faces)
+    if not loops:
+        return None
+    return max(loops, key=lambda loop: float(np.ptp(points[loop], axis=0).max()))
+
+
 def cut_wrist(
     merged: Merged, region: NDArray[np.int64], trim: float
 ) -> tuple[Points, Faces]:

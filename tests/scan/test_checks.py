@@ -6,7 +6,7 @@ import pyvista as pv
 
 from meshes import cube, joined, plane, sphere, tetrahedron, toy_hand
 from skinviz.errors import ArgumentError, MeshError
-from skinviz.scan.checks import require_hand_size, require_triangles
+from skinviz.scan.checks import require_hand_size, require_triangles, wrong_size
 from skinviz.scan.scan import MILLIMETRES, Scan, scale_to_millimetres, transform
 from skinviz.scan.topology import arrays, polydata
 
@@ -49,6 +49,35 @@ def test_what_is_no_hand_asks_for_the_unit(size):
     points = np.array([[0.0, 0, 0], [size, 0, 0]])
     with pytest.raises(MeshError, match=r"it is .* mm across.*unit"):
         require_hand_size(points, "it")
+
+
+@pytest.mark.parametrize("true", MILLIMETRES)
+@pytest.mark.parametrize("taken", MILLIMETRES)
+def test_a_hand_in_a_wrong_unit_says_which_it_looks_like(true, taken):
+    size = 220.0 / MILLIMETRES[true] * MILLIMETRES[taken]  # of a hand 190 mm long
+    told = wrong_size(np.array([[0.0, 0, 0], [size, 0, 0]]))
+    factor = MILLIMETRES[true] / MILLIMETRES[taken]
+    if 80 <= size <= 600:
+        assert told is None
+    elif factor in (1000, 100, 25.4, 10, 2.54, 0.1, 1 / 25.4, 0.01, 1e6):
+        names = {
+            "mm": "millimetres",
+            "cm": "centimetres",
+            "m": "metres",
+            "um": "micrometres",
+            "inch": "inches",
+        }
+        # Micrometres read as millimetres are as much too long as millimetres read
+        # as metres; the commoner mistake is named.
+        if "um" not in (true, taken) or "m" in (true, taken):
+            assert told.endswith(f"as if {names[true]} were read as {names[taken]}")
+    else:
+        assert "mm across" in told
+
+
+def test_a_size_of_no_unit_names_none():
+    told = wrong_size(np.array([[0.0, 0, 0], [1e-9, 0, 0]]))
+    assert told.endswith("140 to 230 mm long")
 
 
 def test_the_size_is_that_of_all_pieces():

@@ -19,7 +19,7 @@ from skinviz.scan import topology
 from skinviz.scan.formats import read_mesh
 from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
 from skinviz.scan.topology import polydata
-from skinviz.scene import HandFrame, hand_frame
+from skinviz.scene import HandFrame, hand_frame, measure_hand
 
 
 @pytest.fixture(scope="module")
@@ -187,3 +187,70 @@ def test_a_thumbless_mitten_has_no_thumb():
 def test_points_alone_are_no_hand():
     with pytest.raises(MeshError, match="no faces"):
         hand_frame(pv.PolyData(np.asarray(toy_hand().points)))
+
+
+def test_the_shipped_hand_is_a_right_one_of_its_makers_length(male):
+    hand = measure_hand(male)
+    assert hand.side == "right"
+    # Its maker's skeleton has 198 mm from the wrist's joint to the fingertip.
+    assert hand.length == pytest.approx(198, abs=12)
+    assert hand.length + hand.arm == pytest.approx(232.6, abs=0.1)
+    assert 50 < hand.wrist_width < 60
+
+
+@pytest.mark.parametrize("shape", ["male", "toy"])
+@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize("outwards", [True, False])
+def test_a_mirror_makes_the_other_hand(male, shape, axis, outwards):
+    mesh = male if shape == "male" else toy_hand()
+    points, faces = topology.arrays(mesh)
+    mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
+    here = measure_hand(mesh)
+    faces = faces[:, ::-1] if outwards else faces
+    there = measure_hand(polydata(points * mirror, faces))
+    assert {here.side, there.side} == {"left", "right"}
+    assert there.length == pytest.approx(here.length, rel=0.05)
+    assert there.wrist_width == pytest.approx(here.wrist_width)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_how_a_hand_lies_does_not_change_which_it_is(male, seed):
+    rng = np.random.default_rng(seed)
+    motion = pose(rng.uniform(-np.pi, np.pi, 3), rng.uniform(-900, 900, 3))
+    here, there = measure_hand(male), measure_hand(moved(male, motion))
+    assert there.side == "right"
+    assert there.length == pytest.approx(here.length)
+    np.testing.assert_allclose(
+        there.wrist_centre, motion[:3, :3] @ here.wrist_centre + motion[:3, 3]
+    )
+
+
+def test_the_toy_hand_has_the_length_and_wrist_it_was_made_with():
+    # Back +y, fingers +z, thumb at +x: to the left of who looks at the back.
+    hand = measure_hand(toy_hand(length=190.0))
+    assert hand.side == "right"
+    assert hand.length + hand.arm == pytest.approx(190, abs=1)
+    assert hand.arm < 0.4 * 190  # where its thumb begins
+    assert hand.wrist_width == pytest.approx(84, abs=0.5)
+    np.testing.assert_allclose(hand.wrist_centre[2], 0, atol=1e-12)
+    assert len(hand.wrist) == 72
+
+
+def test_more_of_the_arm_does_not_make_the_hand_longer(male):
+    hand = measure_hand(male)
+    points, faces = topology.arrays(male)
+    # The opening's rim, moved up the arm and widened as an arm does.
+    rim = points[hand.wrist]
+    out = 20.0 * hand.frame.fingers
+    longer = np.concatenate([points, rim + 0.1 * (rim - hand.wrist_centre) - out])
+    n, k = len(points), np.arange(len(rim))
+    following = (k + 1) % len(rim)
+    here, there = hand.wrist[k], hand.wrist[following]
+    sleeve = [
+        np.stack([here, n + k, there], axis=1),
+        np.stack([there, n + k, n + following], axis=1),
+    ]
+    armed = measure_hand(polydata(longer, np.concatenate([faces, *sleeve])))
+    assert armed.side == "right"
+    assert armed.length == pytest.approx(hand.length, abs=12)
+    assert armed.arm == pytest.approx(hand.arm + 20, abs=12)

@@ -32,5 +32,6 @@ KNOB = Knob(
     lambda plan: f"{plan.arithmetic} precision",
     lambda plan: "" if plan.arithmetic == "double" else "29 bits of each tint",
     lambda trial, setting: trial.body_difference(setting),
-    share=0.05,
+    share=0.3,
+    group="body",
 )

@@ -13,6 +13,10 @@ from skinviz.rendering.work import Work
 RAYS = (0, 16, 64, 256)
 """Directions a vertex looks in; the last is the reference's."""
 
+TRIAL_RAYS = 64
+"""By which fewer are judged: the reference's would cost as much as the picture."""
+
+_TRIED = 3300  # vertices at most, that a pilot's points lie between
 _GATHERED = 0.3  # share of a ray's time that each further number takes it to fetch
 
 
@@ -31,6 +35,11 @@ def _cost(plan: Plan, work: Work, rates: Rates) -> float:
     model = everywhere * numbers * rates.band if work.mapped else 0.0
     lit = everywhere * work.lights * (rates.shadow + rates.point)
     return work.vertices * plan.bounce_rays * each + model + lit
+
+
+def _price(work: Work, rates: Rates) -> float:
+    """Return the time of finding out."""
+    return min(work.vertices, _TRIED) * TRIAL_RAYS * rates.bounce
 
 
 def _told(plan: Plan) -> str:
@@ -53,4 +62,6 @@ KNOB = Knob(
     _beyond,
     lambda trial, setting: trial.bounce_difference(setting),
     share=0.4,
+    group="bounce",
+    price=_price,
 )

@@ -42,8 +42,13 @@ class Knob:
         From a trial and a setting to a bound on what it changes [ΔE00]; None if all
         levels give the same colours but for rounding.
     share : float or None
-        Of the tolerance, that it may use up by itself; None if it is judged together
-        with those decided before it. [1]
+        Of the tolerance, that it may use up together with the others of its group;
+        None if it is judged together with all decided before it. [1]
+    group : str
+        Of knobs whose differences are told together, each with those before it.
+    price : callable or None
+        From the work and the rates to the time that it takes to find out about a
+        level, beyond what looking at a pilot's points takes. [ns]
     """
 
     name: str
@@ -53,3 +58,5 @@ class Knob:
     beyond: Callable[[Plan], str]
     measure: Callable[[Trial, Setting], float] | None
     share: float | None = None
+    group: str = ""
+    price: Callable[[Work, Rates], float] | None = None

@@ -40,5 +40,6 @@ KNOB = Knob(
     lambda plan: _WORDS[plan.reflectance],
     lambda plan: "" if plan.reflectance == "model" else "the model at each point",
     lambda trial, setting: trial.body_difference(setting),
-    share=0.2,
+    share=0.25,
+    group="body",
 )

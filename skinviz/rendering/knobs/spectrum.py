@@ -48,5 +48,6 @@ KNOB = Knob(
     _told,
     _beyond,
     lambda trial, setting: trial.body_difference(setting),
-    share=0.2,
+    share=0.15,
+    group="body",
 )

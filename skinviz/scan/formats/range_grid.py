@@ -9,27 +9,50 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._files import existing_file, whole_file
 from skinviz.errors import MeshError
-from skinviz.scan.formats.ply import UNIT_COMMENT, read_ply, stated_unit
+from skinviz.scan.checks import to_millimetres
+from skinviz.scan.formats.content import (
+    UNIT_COMMENT,
+    as_indices,
+    read_lines,
+    stated_unit,
+)
+from skinviz.scan.formats.ply import Ply, read_ply
+from skinviz.scan.formats.ply import columns as ply_columns
+from skinviz.scan.formats.ply_header import Element
 from skinviz.scan.scan import RangeView, Scan, scale_to_millimetres
 
 
-def is_range_grid(ply: Any) -> bool:
+def is_range_grid(ply: Ply) -> bool:
     """Return whether a parsed PLY file holds a range grid."""
-    return "range_grid" in ply
+    return "range_grid" in ply.elements
 
 
 def view_from_ply(
-    ply: Any, path: Path, unit: str | None, pose: NDArray[np.float64]
+    ply: Ply, path: Path, unit: str | None, pose: NDArray[np.float64]
 ) -> RangeView:
     """Return the range view in a parsed PLY file, in mm."""
-    scale = scale_to_millimetres(unit, str(path), stated_unit(ply))
+    scale = scale_to_millimetres(unit, str(path), stated_unit(ply.comments))
+    cells = ply.elements["range_grid"]
+    rows, columns = _grid_shape(ply, cells.count, path)
+    points = ply_columns(ply.elements.get("vertex"), "xyz", path)
+    filled, index = _cells(cells, len(points), path)
+    if index.size == 0:
+        raise MeshError(f"{path}: the range grid has no return at all")
+    if not np.isfinite(points[index]).all():
+        raise MeshError(f"{path}: a return is not finite; remove it from the grid")
+    grid = np.full((rows * columns, 3), np.nan)
+    grid[filled] = to_millimetres(points[index], scale, str(path))
+    return RangeView(path.stem, grid.reshape(rows, columns, 3), pose)
+
+
+def _grid_shape(ply: Ply, n_cells: int, path: Path) -> tuple[int, int]:
+    """Return the rows and columns that the header states for its cells."""
     info = dict(words[:2] for line in ply.obj_info if len(words := line.split()) >= 2)
     try:
         rows, columns = int(info["num_rows"]), int(info["num_cols"])
@@ -37,59 +60,62 @@ def view_from_ply(
         raise MeshError(
             f"{path}: a range grid needs 'obj_info num_rows' and 'num_cols' lines"
         ) from error
-    cells = ply["range_grid"].data
-    if rows <= 0 or columns <= 0 or len(cells) != rows * columns:
+    if rows <= 0 or columns <= 0 or n_cells != rows * columns:
         raise MeshError(
-            f"{path}: the header says {rows} x {columns} cells, the file has "
-            f"{len(cells)}"
+            f"{path}: the header says {rows} x {columns} cells, the file has {n_cells}"
         )
-    vertices = ply["vertex"].data
-    try:
-        points = np.stack([vertices[k] for k in "xyz"], axis=1).astype(np.float64)
-    except ValueError as error:
-        raise MeshError(f"{path}: vertices without x, y and z") from error
-    lists = cells[cells.dtype.names[0]]
-    counts = np.fromiter(map(len, lists), dtype=np.int64, count=len(lists))
-    filled = np.flatnonzero(counts)
-    index = np.fromiter(
-        (lists[i][0] for i in filled), dtype=np.int64, count=filled.size
-    )
-    if index.size == 0:
-        raise MeshError(f"{path}: the range grid has no return at all")
-    wrong = index[(index < 0) | (index >= len(points))]
+    return rows, columns
+
+
+def _cells(
+    cells: Element, n_points: int, path: Path
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return which cells have a return, and the vertex of each."""
+    if not cells.lists:
+        raise MeshError(f"{path}: a range grid needs a list of vertices in each cell")
+    lists = next(iter(cells.lists.values()))
+    filled = np.flatnonzero(lists.counts)
+    first = (np.cumsum(lists.counts) - lists.counts)[filled]
+    index = as_indices(lists.values[first], str(path))
+    wrong = index[(index < 0) | (index >= n_points)]
     if wrong.size:
-        raise MeshError(f"{path}: a grid cell names vertex {wrong[0]} of {len(points)}")
-    if not np.isfinite(points[index]).all():
-        raise MeshError(f"{path}: a return is not finite; remove it from the grid")
-    grid = np.full((rows * columns, 3), np.nan)
-    grid[filled] = points[index] * scale
-    return RangeView(path.stem, grid.reshape(rows, columns, 3), pose)
+        raise MeshError(f"{path}: a grid cell names vertex {wrong[0]} of {n_points}")
+    return filled, index
 
 
 def read_conf(path: Path, unit: str | None) -> Scan:
     """Return the views that a ``.conf`` file lists, in mm, with their poses."""
     views = []
-    text = path.read_text(encoding="utf-8", errors="replace")
-    for number, line in enumerate(text.splitlines(), start=1):
+    lines = read_lines(path)
+    for number, line in zip(lines.numbers, lines.texts, strict=True):
         words = line.split()
         if not words or words[0] != "bmesh":
             continue  # comments, and the viewer's camera
         where = f"{path} line {number}"
         name = line.split(maxsplit=1)[-1].rsplit(maxsplit=7)[0]  # may hold spaces
-        if len(words) < 9 or (len(words) > 9 and not (path.parent / name).exists()):
-            raise MeshError(
-                f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got "
-                f"{len(words) - 1} values"
-            )
-        file = existing_file(path.parent / name, MeshError)
+        if len(words) < 9:
+            raise _not_nine(words, where)
+        try:
+            file = existing_file(path.parent / name, MeshError)
+        except MeshError as error:
+            told = _not_nine(words, where) if len(words) > 9 else None
+            raise told or MeshError(f"{where}: {error}") from error
         ply = read_ply(file)
         if not is_range_grid(ply):
             raise MeshError(f"{file}: has no range_grid, which {where} expects")
-        scale = scale_to_millimetres(unit, str(file), stated_unit(ply))
+        scale = scale_to_millimetres(unit, str(file), stated_unit(ply.comments))
         views.append(view_from_ply(ply, file, unit, _pose(words[-7:], scale, where)))
     if not views:
         raise MeshError(f"{path}: no 'bmesh' line, so no view to read")
     return Scan(views=tuple(views), source=str(path))
+
+
+def _not_nine(words: list[str], where: str) -> MeshError:
+    """Return the error of a line with too few or too many values."""
+    return MeshError(
+        f"{where}: expected 'bmesh FILE tx ty tz qi qj qk ql', got {len(words) - 1} "
+        "values"
+    )
 
 
 def write_scan(
@@ -114,13 +140,20 @@ def write_scan(
     Raises
     ------
     MeshError
-        If the scan has no views, or two of one name.
+        If the scan has no views, or two of one name, or one whose rays are not
+        parallel, which these files cannot say.
     """
     names = [view.name for view in scan.views]
     if not names or len(set(names)) < len(names):
         raise MeshError(
             f"{path}: a scan is written as its views, each under its own name; got "
             f"{names}"
+        )
+    seen = [view.name for view in scan.views if view.eye is not None]
+    if seen:
+        raise MeshError(
+            f"{path}: the rays of view {seen[0]!r} meet in a point, which a .conf "
+            "cannot say; clean the scan and write the mesh"
         )
     from scipy.spatial.transform import Rotation
 
@@ -146,11 +179,12 @@ def _pose(words: list[str], scale: float, where: str) -> NDArray[np.float64]:
         numbers = np.array([float(word) for word in words])
     except ValueError as error:
         raise MeshError(f"{where}: {error}") from error
-    if not np.isfinite(numbers).all() or not np.linalg.norm(numbers[3:]) > 0.5:
-        raise MeshError(f"{where}: the pose is not finite or its quaternion is zero")
+    shift = to_millimetres(numbers[:3], scale, where)
+    if not 0.25 < np.abs(numbers[3:]).max() < 100:
+        raise MeshError(f"{where}: the quaternion is not finite or far from length 1")
     pose = np.eye(4)
     pose[:3, :3] = Rotation.from_quat(numbers[3:]).inv().as_matrix()
-    pose[:3, 3] = scale * numbers[:3]
+    pose[:3, 3] = shift
     return pose
 
 

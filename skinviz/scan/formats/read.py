@@ -11,8 +11,16 @@ import numpy as np
 from skinviz._files import existing_file
 from skinviz.errors import MeshError
 from skinviz.scan.formats import range_grid, surface
+from skinviz.scan.formats.asc import read_asc
+from skinviz.scan.formats.obj import read_obj
+from skinviz.scan.formats.off import read_off
 from skinviz.scan.formats.ply import read_ply
-from skinviz.scan.scan import Scan
+from skinviz.scan.formats.pts import read_pts
+from skinviz.scan.formats.ptx import read_ptx
+from skinviz.scan.formats.stl import read_stl
+from skinviz.scan.formats.vtp import read_vtp
+from skinviz.scan.formats.xyz import read_xyz
+from skinviz.scan.scan import Scan, no_surface
 
 if TYPE_CHECKING:
     import pyvista
@@ -24,8 +32,9 @@ def read_scan(path: str | os.PathLike[str], unit: str | None = None) -> Scan:
     Parameters
     ----------
     path : str or path-like
-        Stanford ``.conf`` with its range views, a ``.ply`` range grid, or a mesh
-        in ``.ply``, ``.obj``, ``.stl``, ``.off`` or ``.vtp``.
+        Stanford ``.conf`` with its range views; a ``.ply``, ``.ptx`` or ``.asc``
+        (Esri) grid; a mesh in ``.ply``, ``.obj``, ``.stl``, ``.off`` or ``.vtp``;
+        or points in ``.xyz``, ``.asc``, ``.pts`` or ``.ply``.
     unit : str, optional
         Unit of length in the file: mm, cm, m, um or inch. Required unless the
         file states it, as those written by skinviz do.
@@ -33,7 +42,8 @@ def read_scan(path: str | os.PathLike[str], unit: str | None = None) -> Scan:
     Returns
     -------
     scan : Scan
-        Views with grid and pose, or a triangle mesh. [mm]
+        Views with grid and pose, a triangle mesh, or bare points: what the file
+        has. [mm]
 
     Raises
     ------
@@ -43,9 +53,10 @@ def read_scan(path: str | os.PathLike[str], unit: str | None = None) -> Scan:
     file = existing_file(path, MeshError)
     reader = _READERS.get(file.suffix.lower())
     if reader is None:
+        packed = file.suffix.lower() in (".gz", ".zip", ".bz2", ".xz", ".7z")
         raise MeshError(
             f"{file}: no reader for {file.suffix or 'a file without suffix'!r}; "
-            f"known are {', '.join(_READERS)}"
+            f"known are {', '.join(_READERS)}" + ("; unpack it first" if packed else "")
         )
     return reader(file, unit)
 
@@ -53,7 +64,7 @@ def read_scan(path: str | os.PathLike[str], unit: str | None = None) -> Scan:
 def read_mesh(
     path: str | os.PathLike[str], unit: str | None = None
 ) -> pyvista.PolyData:
-    """Read a triangle mesh in mm; a file of range views is refused.
+    """Read a triangle mesh in mm; a file of range views or points is refused.
 
     Parameters
     ----------
@@ -70,9 +81,11 @@ def read_mesh(
     Raises
     ------
     MeshError
-        As :func:`read_scan`, and if the file holds range views.
+        As :func:`read_scan`, and if the file holds range views or points.
     """
     scan = read_scan(path, unit)
+    if scan.cloud is not None:
+        raise no_surface(scan.cloud, str(path))
     if scan.mesh is None:
         raise MeshError(
             f"{path} holds raw range views, not a mesh; clean it first: "
@@ -82,29 +95,23 @@ def read_mesh(
 
 
 def _read_ply(path: Path, unit: str | None) -> Scan:
-    """Read a PLY file that holds a range grid or a mesh."""
+    """Read a PLY file that holds a range grid, a mesh or points."""
     ply = read_ply(path)
     if range_grid.is_range_grid(ply):
         view = range_grid.view_from_ply(ply, path, unit, np.eye(4))
         return Scan(views=(view,), source=str(path))
-    return Scan(mesh=surface.mesh_from_ply(ply, path, unit), source=str(path))
-
-
-def _read_surface(path: Path, unit: str | None) -> Scan:
-    """Read an OBJ, STL or OFF mesh."""
-    return Scan(mesh=surface.read_by_trimesh(path, unit), source=str(path))
-
-
-def _read_vtp(path: Path, unit: str | None) -> Scan:
-    """Read a VTP mesh."""
-    return Scan(mesh=surface.read_vtp(path, unit), source=str(path))
+    return surface.scan_from_ply(ply, path, unit)
 
 
 _READERS = {
     ".conf": range_grid.read_conf,
     ".ply": _read_ply,
-    ".obj": _read_surface,
-    ".stl": _read_surface,
-    ".off": _read_surface,
-    ".vtp": _read_vtp,
+    ".obj": read_obj,
+    ".stl": read_stl,
+    ".off": read_off,
+    ".xyz": read_xyz,
+    ".asc": read_asc,
+    ".pts": read_pts,
+    ".ptx": read_ptx,
+    ".vtp": read_vtp,
 }

@@ -52,7 +52,7 @@ def test_junk_is_refused_by_name(tmp_path, suffix, kind):
         read_scan(file, "mm")
 
 
-@pytest.mark.parametrize("name", ["hand.xyzzy", "hand", "hand.pts", "hand.ply.gz"])
+@pytest.mark.parametrize("name", ["hand.xyzzy", "hand", "hand.las", "hand.ply.gz"])
 def test_an_unknown_suffix_lists_the_known_ones(tmp_path, name):
     (tmp_path / name).write_text("something")
     with pytest.raises(MeshError, match=rf"{name}.*no reader.*\.conf.*\.vtp"):
@@ -78,3 +78,22 @@ def test_a_unit_that_contradicts_the_file_is_refused(tmp_path, suffix):
     assert read_scan(file, "mm").mesh.n_cells == 4
     with pytest.raises(MeshError, match=rf"hand\{suffix}.*states its unit as mm"):
         read_scan(file, "m")
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_name_longer_than_any_file_has_is_refused(tmp_path, suffix):
+    with pytest.raises(MeshError, match=r"xxx.*too long"):
+        read_scan(tmp_path / f"{'x' * 5000}{suffix}", "mm")
+
+
+def test_a_conf_may_not_make_us_open_a_name_too_long(tmp_path):
+    for name in ("x" * 5000, "a " + "x" * 5000):
+        (tmp_path / "a.conf").write_text(f"bmesh {name} 0 0 0 0 0 0 1\n")
+        with pytest.raises(MeshError, match=r"a\.conf line 1"):
+            read_scan(tmp_path / "a.conf", "mm")
+
+
+def test_a_packed_file_is_to_be_unpacked(tmp_path):
+    (tmp_path / "a.xyz.gz").write_bytes(b"\x1f\x8b")
+    with pytest.raises(MeshError, match=r"a\.xyz\.gz: no reader.*unpack it first"):
+        read_scan(tmp_path / "a.xyz.gz", "mm")

@@ -310,7 +310,7 @@ def test_points_without_faces_are_no_mesh(tmp_path, suffix):
     else:
         file.write_bytes(NO_FACES[suffix])
     with pytest.raises(MeshError, match=rf"points\{suffix}.*face"):
-        read_scan(file, "mm")
+        read_mesh(file, "mm")
 
 
 OUT_OF_RANGE = {
