@@ -190,7 +190,11 @@ def _report(
         "fits": {site.name: _fit(fit_to_dict(site.fit, [site.name])) for site in sites},
         "cleaning": cleaning["steps"],
         "pictures": {
-            title: {"scene": describe(picture.scene), "counts": asdict(picture.counts)}
+            title: {
+                "scene": describe(picture.scene),
+                "plan": asdict(picture.plan),
+                "counts": asdict(picture.counts),
+            }
             for title, picture in pictures.items()
         },
         "marked_vertex": point,

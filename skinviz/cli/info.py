@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinviz.cli.output import say, say_json
-from skinviz.errors import DataError
+from skinviz.errors import ArgumentError, DataError
 
 if TYPE_CHECKING:
+    from skinviz.rendering.plan import Plan
     from skinviz.scene.scene import Scene
 
 
 _PICTURES = (".png", ".tif", ".tiff", ".exr", ".hdr")
 
 
-def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
+def info(
+    file: Path,
+    /,
+    *,
+    unit: str | None = None,
+    tolerance: float | None = None,
+    json: bool = False,
+) -> None:
     """Say what a scene, a scan or a picture holds, and how it is or was computed.
 
     Example: skinviz info scene.toml
@@ -26,10 +35,16 @@ def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
         Scene file (.toml), raw scan, mesh, or a picture that skinviz wrote.
     unit
         Unit of length in a scan or mesh file, unless it states it.
+    tolerance
+        Of a scene: also say how its picture is computed so that 99 % of the colours
+        differ by no more than this from the reference's, in ΔE00; knob by knob.
     json
         Print it as JSON.
     """
     suffix = file.suffix.lower()
+    planned: Plan | None = None
+    if tolerance is not None and suffix != ".toml":
+        raise ArgumentError(f"{file}: --tolerance is for scenes (.toml); leave it out")
     if suffix in (".csv", ".json"):
         raise DataError(
             f"{file}: info is for scenes (.toml), scans, meshes and pictures; spectra "
@@ -38,7 +53,12 @@ def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
     if suffix == ".toml":
         from skinviz.scene.scene_file import read_scene
 
-        facts = _scene_facts(read_scene(file))
+        scene = read_scene(file)
+        facts = _scene_facts(scene)
+        if tolerance is not None:
+            from skinviz.rendering.planner import plan
+
+            planned = plan(scene, tolerance)
     elif suffix in _PICTURES:
         from skinviz.rendering.files import read_picture_metadata
 
@@ -50,8 +70,15 @@ def info(file: Path, /, *, unit: str | None = None, json: bool = False) -> None:
 
         facts = scan_facts(read_scan(file, unit))
     if json:
-        say_json(facts)
+        say_json(facts | ({"plan": asdict(planned)} if planned else {}))
         return
+    _say_facts(facts)
+    if planned is not None:
+        say(f"\n{planned.explain()}")
+
+
+def _say_facts(facts: dict[str, Any]) -> None:
+    """Say facts, a line each."""
     width = max(len(name) for name in facts)
     for name, value in facts.items():
         for i, line in enumerate(value if isinstance(value, list) else [value]):

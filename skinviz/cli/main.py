@@ -17,6 +17,7 @@ from skinviz.cli.fit import fit
 from skinviz.cli.info import info
 from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
+from skinviz.cli.tradeoff import tradeoff
 from skinviz.errors import SkinvizError
 
 VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
@@ -25,6 +26,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "simulate-scan": simulate_scan,
     "fit": fit,
     "render": render,
+    "tradeoff": tradeoff,
     "archive": archive,
     "info": info,
 }

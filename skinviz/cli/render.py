@@ -11,8 +11,11 @@ from skinviz.cli.arguments import Whole
 from skinviz.cli.output import progress_bar, say, say_files, say_json
 
 if TYPE_CHECKING:
+    from skinviz.rendering.plan import Plan
     from skinviz.rendering.render import Rendering
     from skinviz.scene.scene import Scene
+
+_USUAL = 1.0  # ΔE00
 
 
 def render(
@@ -23,13 +26,16 @@ def render(
     spectral: Path | None = None,
     mesh: Path | None = None,
     size: Whole | None = None,
-    samples: Whole = 16,
+    tolerance: float | None = None,
+    samples: Whole | None = None,
+    explain: bool = False,
     json: bool = False,
 ) -> None:
     """Draw a scene in spectrally computed colour, traced ray by ray.
 
     Every pixel's radiance is computed on the scene's wavelengths, 61 by default, and
-    shown through CIE XYZ, with cast shadows.
+    shown through CIE XYZ. What would change colours by less than the tolerance is
+    left out.
 
     Example: skinviz render scene.toml -o hand.png --spectral hand.hdr --size 2048
 
@@ -45,34 +51,41 @@ def render(
         Mesh to write with pigments, radiance and colour at every vertex, .vtp.
     size
         Longer side of the picture in pixels, instead of the scene's size.
+    tolerance
+        What 99 % of the colours may differ by from the reference's, in ΔE00; 1 if
+        neither this nor samples is given.
     samples
-        Rays a pixel: 1, 2, 4, 8 or 16. Fewer is faster and rougher at edges.
+        Rays a pixel instead of a tolerance, 1, 2, 4, 8 or 16, all else exact; 16 is
+        the reference.
+    explain
+        Print what the tolerance left out, what that changes and what it saves.
     json
-        Print the files and what the display could not show as JSON.
+        Print the files, the plan and what the display could not show as JSON.
     """
+    import dataclasses
     import warnings
 
     from skinviz.errors import SceneWarning
     from skinviz.rendering.geometry import geometry_of
-    from skinviz.rendering.plan import Plan
     from skinviz.rendering.render import render as rendered
     from skinviz.rendering.shade import shade
     from skinviz.scan.formats import write_mesh
     from skinviz.scene.scene_file import read_scene
 
     _require_suffixes(out, spectral, mesh)
-    plan = Plan(samples=samples)
+    plan, allowed = _asked(tolerance, samples)
     with progress_bar(3 + (spectral is not None) + (mesh is not None)) as begin:
         begin("read scene")
-        described = _sized(read_scene(scene), size)
+        described = sized(read_scene(scene), size)
         width, height = described.camera.size
-        begin("trace rays")
+        begin("trace rays" if plan else "plan and trace rays")
         geometry = geometry_of(described.mesh)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SceneWarning)  # said below, as notes
             picture = rendered(
                 described,
                 plan,
+                allowed,
                 geometry=geometry,
                 advance=begin.counting(width * height),
             )
@@ -84,14 +97,35 @@ def render(
             files.append(picture.save(spectral, advance=counting))
         if mesh is not None:
             begin("shade and write mesh")
-            files.append(write_mesh(mesh, shade(described, plan, geometry=geometry)))
+            files.append(write_mesh(mesh, shade(described, geometry=geometry)))
     told = _told(picture)
     if json:
-        say_json({"files": [str(f) for f in files], **told})
+        made = {"plan": dataclasses.asdict(picture.plan)}
+        say_json({"files": [str(f) for f in files], **made, **told})
         return
+    if explain:
+        say(picture.plan.explain())
     say_files(files)
     for note in told["notes"]:
         say(f"note: {note}")
+
+
+def _asked(tolerance: float | None, samples: int | None) -> tuple[Plan | None, float]:
+    """Return the plan, None if it is to be made, and the tolerance it is made for."""
+    from skinviz._validate import in_range
+    from skinviz.errors import ArgumentError
+    from skinviz.rendering.plan import Plan
+    from skinviz.rendering.planner import LOOSEST, TIGHTEST
+
+    if samples is None:
+        allowed = _USUAL if tolerance is None else tolerance
+        return None, in_range(allowed, TIGHTEST, LOOSEST, "--tolerance", "ΔE00")
+    if tolerance is not None:
+        raise ArgumentError(
+            "--tolerance and --samples were both given; give --tolerance to have rays "
+            "chosen by what they change, or --samples for as many in every pixel"
+        )
+    return Plan(samples=samples), _USUAL
 
 
 def _require_suffixes(out: Path, spectral: Path | None, mesh: Path | None) -> None:
@@ -105,7 +139,7 @@ def _require_suffixes(out: Path, spectral: Path | None, mesh: Path | None) -> No
         one_of(mesh.suffix.lower(), (".vtp",), "suffix of --mesh")
 
 
-def _sized(scene: Scene, size: int | None) -> Scene:
+def sized(scene: Scene, size: int | None) -> Scene:
     """Return the scene with its picture's longer side of ``size`` pixels."""
     import dataclasses
 

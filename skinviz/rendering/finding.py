@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -28,7 +29,7 @@ class Finding:
         The next cheaper level, that would have changed too much; empty where there is
         none or none was tried.
     refused_delta_e : float or None
-        What that would have changed. [ΔE00]
+        What that would have changed; None where nothing could be said of it. [ΔE00]
     """
 
     knob: str
@@ -38,6 +39,11 @@ class Finding:
     saved: float = 0.0
     refused: str = ""
     refused_delta_e: float | None = None
+
+    def __post_init__(self) -> None:
+        """Keep no infinity, which JSON cannot hold."""
+        if self.refused_delta_e is not None and not math.isfinite(self.refused_delta_e):
+            object.__setattr__(self, "refused_delta_e", None)
 
 
 _HEAD = ("knob", "chosen", "left out", "ΔE00", "saved", "too coarse")

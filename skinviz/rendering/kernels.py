@@ -157,7 +157,7 @@ def scalars(
 
 @inlined
 def _products(mean: Any, spectra: Any, row: Any) -> None:
-    """Write the sum of scalars times spectra, two at a time to save stores."""
+    """Write the sum of scalars times spectra, two at a time to save stores; k > 0."""
     k = mean.size
     odd = k % 2
     if odd:
@@ -283,7 +283,8 @@ def expand_mapped(
         sums[0, :] = 0
         while at < m and pixels[at] == row:
             _products(lit[:, at], light, sums[1])
-            _products(gloss[:, at], shine, sums[2])
+            if gloss.shape[0] > 0:  # or the surface reflects nothing
+                _products(gloss[:, at], shine, sums[2])
             for j in range(bands):
                 # Fields of few spectra may be below 0 by their rounding.
                 sums[0, j] += body[at, j] * max(sums[1, j], 0.0) + sums[2, j]

@@ -32,6 +32,9 @@ def test_the_demo_writes_its_figures_mesh_and_report(tmp_path, capsys):
     assert (checked["components"], checked["boundaries"]) == (1, 1)
     assert report["seconds"]["total"] > 0
     assert report["versions"]["skinviz"]
+    for picture in report["pictures"].values():
+        assert picture["plan"]["tolerance"] == 1
+        assert picture["plan"]["findings"]
 
     mesh = pv.read(out / "hand.vtp")
     n = mesh.n_points

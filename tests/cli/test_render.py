@@ -1,5 +1,6 @@
 """``skinviz render`` and ``info``: a scene file to pictures, spectra and a mesh."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -11,6 +12,7 @@ from PIL import Image
 
 from meshes import sphere
 from skinviz.cli.main import main
+from skinviz.rendering.plan import Plan
 from skinviz.scan.formats import write_mesh
 from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
 
@@ -123,6 +125,36 @@ def test_a_picture_says_how_it_was_made(ball, run, tmp_path):
     assert "camera" in said
 
 
+def test_a_tolerance_is_planned_for_and_told(ball, run, tmp_path):
+    out = tmp_path / "a.png"
+    words = ["render", ball, "-o", out, "--size", 200]
+    code, said, _ = run(*words, "--tolerance", 5, "--explain")
+    assert code == 0
+    assert "tolerance ΔE00 5\n" in said
+    for knob in ("sampling", "shadows", "specular", "shading"):
+        assert f"\n{knob} " in said
+    plan = json.loads(run("info", out, "--json")[1])["plan"]
+    assert plan["tolerance"] == 5
+    told = json.loads(run(*words, "--tolerance", 5, "--json")[1])["plan"]
+    assert told == plan
+    assert [finding["knob"] for finding in told["findings"]][:2] == [
+        "spectrum",
+        "basis",
+    ]
+
+
+def test_without_a_tolerance_it_is_one(ball, run, tmp_path):
+    told = json.loads(run("render", ball, "-o", tmp_path / "a.png", "--json")[1])
+    assert told["plan"]["tolerance"] == 1
+
+
+def test_samples_are_for_all_pixels_and_leave_nothing_else_out(ball, run, tmp_path):
+    words = ["render", ball, "-o", tmp_path / "a.png", "--samples", 4]
+    told = json.loads(run(*words, "--json")[1])["plan"]
+    assert told == json.loads(json.dumps(dataclasses.asdict(Plan(samples=4))))
+    assert "not planned" in run(*words, "--explain")[1]
+
+
 def test_a_black_picture_says_why(ball, run, tmp_path):
     changed(ball, "direction = [0, 0, 1]\n[view]", "direction = [0, 0, -1]\n[view]")
     code, said, _ = run("render", ball, "-o", tmp_path / "a.png")
@@ -165,6 +197,9 @@ def test_bad_scenes_are_refused_before_a_file_is_made(
         (["-o", "a.png", "--mesh", "a.ply"], ".vtp"),
         (["-o", "a.png", "--size", "0"], "--size"),
         (["-o", "a.png", "--samples", "3"], "1, 2, 4, 8, 16"),
+        (["-o", "a.png", "--samples", "4", "--tolerance", "1"], "give --tolerance to"),
+        (["-o", "a.png", "--tolerance", "0"], "--tolerance"),
+        (["-o", "a.png", "--tolerance", "nan"], "--tolerance"),
     ],
 )
 def test_bad_options_are_refused(ball, run, words, told):
@@ -187,6 +222,31 @@ def test_info_says_what_a_scene_computes_and_leaves_out(tmp_path, run):
     said = run("info", scene)[1]
     assert "one diffuse bounce" in said
     assert "bounces more than once" in said
+
+
+def test_info_says_what_a_tolerance_leaves_out(ball, run):
+    code, said, _ = run("info", ball, "--tolerance", 2)
+    assert code == 0
+    assert "mesh " in said
+    assert "\n\ntolerance ΔE00 2\nknob " in said
+    told = json.loads(run("info", ball, "--tolerance", 2, "--json")[1])
+    assert told["plan"]["tolerance"] == 2
+    assert "mesh" in told
+    assert "plan" not in json.loads(run("info", ball, "--json")[1])
+
+
+@pytest.mark.parametrize("tolerance", ["0", "-1", "101", "nan"])
+def test_info_refuses_what_is_no_tolerance(ball, run, tolerance):
+    code, _, error = run("info", ball, "--tolerance", tolerance)
+    assert code == 1
+    assert "tolerance" in error
+
+
+def test_info_has_tolerances_for_scenes_alone(ball, run):
+    mesh = ball.parent / "ball.ply"
+    code, _, error = run("info", mesh, "--unit", "mm", "--tolerance", 1)
+    assert code == 1
+    assert "for scenes (.toml); leave it out" in error
 
 
 def test_info_says_what_a_mesh_is(ball, run):

@@ -8,6 +8,7 @@ import pytest
 
 from skinviz import Plan
 from skinviz.errors import ArgumentError
+from skinviz.rendering.finding import Finding
 from skinviz.rendering.plan import SAMPLES
 
 NAMED = ("spectrum", "reflectance", "specular", "shading", "basis", "arithmetic")
@@ -86,3 +87,11 @@ def test_plans_are_frozen_and_say_what_they_are_as_json():
 def test_what_is_no_plan_is_refused_by_name(arguments, told):
     with pytest.raises(ArgumentError, match=told):
         Plan(**arguments)
+
+
+def test_what_could_not_be_told_of_a_level_is_none_that_json_can_hold():
+    finding = Finding("shadows", "cast", refused="none", refused_delta_e=np.inf)
+    assert finding.refused_delta_e is None
+    told = json.dumps(dataclasses.asdict(Plan(findings=(finding,))), allow_nan=False)
+    assert json.loads(told)["findings"][0]["refused"] == "none"
+    assert "none" in Plan(tolerance=1.0, findings=(finding,)).explain()

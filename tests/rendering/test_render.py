@@ -269,3 +269,13 @@ def test_rows_take_the_memory_of_a_block_not_of_the_whole(white, mapped):
     tracemalloc.stop()
     whole = 4 * bands * size[0] * size[1]
     assert peak < whole / 2
+
+
+def test_mapped_skin_without_reflection_is_skin_that_has_none(white, model):
+    values = np.tile([0.1, 0.005, 0.005], (white.mesh.n_points, 1))
+    values[::3] = 0.01
+    glossy = white.replace(skin=Skin(model, values), surface=TorranceSparrow())
+    dull = glossy.replace(surface=TorranceSparrow(specular_scale=0))
+    for _ in range(5):  # memory that nobody wrote differs from time to time
+        left_out = render(glossy, Plan(specular="none")).radiance()
+        np.testing.assert_array_equal(left_out, render(dull, Plan()).radiance())
