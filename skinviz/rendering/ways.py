@@ -88,15 +88,16 @@ def ways(
         Of the scene's mesh, where it is at hand.
     """
     stage = stage_of(scene, Plan(), geometry)
+    work = work_of(stage)
     made = list(_planned(scene, tolerances, stage.geometry))
     return _distinct(
         [
             Way(REFERENCE, "everything", Plan()),
             Way(PLAIN_WAY, "spectra at each point, one ray a pixel", PLAIN),
             *_uniform(),
-            *_one_knob(work_of(stage)),
+            *_one_knob(work),
             *made,
-            *_grid(made),
+            *_grid(made, work),
         ]
     )
 
@@ -124,18 +125,18 @@ def _one_knob(work: Work) -> Iterator[Way]:
     for knob in KNOBS:
         for level in knob.levels(work)[:-1]:
             plan = Plan(**level)
-            yield Way(ONE_KNOB, f"{knob.name}: {knob.told(plan)}", plan)
+            yield Way(ONE_KNOB, f"{knob.name}: {knob.told(plan, work)}", plan)
 
 
-def _grid(made: Iterable[Way]) -> Iterator[Way]:
+def _grid(made: Iterable[Way], work: Work) -> Iterator[Way]:
     """Yield samples × contrasts, with what plans chose besides."""
     chosen = [way.plan for way in made if way.tolerance in _GRID_TOLERANCES]
     for plan in chosen:
         for samples, contrast in itertools.product(sampling.FEW, _GRID_CONTRASTS):
             finer = plan.replace(samples=samples, refine=contrast, tolerance=None)
-            yield Way(GRID, sampling.KNOB.told(finer), finer.replace(findings=()))
+            yield Way(GRID, sampling.KNOB.told(finer, work), finer.replace(findings=()))
         most = plan.replace(samples=MOST_SAMPLES, refine=None, tolerance=None)
-        yield Way(GRID, sampling.KNOB.told(most), most.replace(findings=()))
+        yield Way(GRID, sampling.KNOB.told(most, work), most.replace(findings=()))
 
 
 def _distinct(found: Iterable[Way]) -> list[Way]:

@@ -155,7 +155,7 @@ def test_mapped_skin_with_light_between_parts_is_measured(mapped):
     scene = mapped.replace(interreflection="diffuse")
     tried = [
         TRIED[0],
-        Way(ONE_KNOB, "spectrum: 8 nodes", Plan(spectrum="8 nodes")),
+        Way(ONE_KNOB, "spectrum: 8 nodes", Plan(spectrum="10 nodes")),
         Way(ONE_KNOB, "bounce: none", Plan(bounce_rays=0)),
     ]
     _, nodes, dark = tradeoff(scene, tried)
