@@ -1,5 +1,6 @@
 """What every test shares: strict floating point and Hypothesis without chance."""
 
+import os
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,6 +14,14 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 settings.load_profile("ci")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(tmp_path_factory) -> Iterator[None]:
+    """Keep what is kept between runs out of the user's own folder."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(os.environ, "XDG_CACHE_HOME", str(tmp_path_factory.mktemp("own")))
+        yield
 
 
 @pytest.fixture

@@ -55,7 +55,7 @@ def scene_of(seed: int) -> Scene:
         width = {"roughness": float(rng.uniform(0.05, 0.6))}
     return Scene(
         mesh=mesh,
-        skin=skin(mesh, frame, rng),
+        skin=skin(mesh, rng),
         surface=surface(
             **width,
             n=1.4 if rng.random() < 0.7 else dispersion("epidermis"),
@@ -127,7 +127,7 @@ def spectra():
     return archive.reflectance.values, archive.wavelength.values
 
 
-def skin(mesh, frame, rng):
+def skin(mesh, rng):
     """Return somebody's skin: one on all of the hand, or a map of it."""
     reflectance, nm = spectra()
     model = skin_model(site=str(rng.choice(SITES)), specular="included")

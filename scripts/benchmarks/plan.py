@@ -1,10 +1,13 @@
 """Measure whether plans keep their tolerance, and what speed they buy.
 
 Run in the development environment: ``python scripts/benchmarks/plan.py --seeds 200 -o
-plan.jsonl``. Each scene is made of its seed (``_plan_scenes.py``) and compared with its
-reference by DESIGN's definition. What is done already in the file is not done again;
-``--summary`` only sums up. A whole run takes about an hour on two cores: the reference
-of mapped skin is the model at 401 wavelengths for sixteen points a pixel.
+plan.jsonl``. Each scene is made of its seed (``_plan_scenes.py``) and compared with
+its reference as ``skinviz.rendering.tolerance`` has it. What is done already in the
+file is not done again; ``--summary`` only sums up.
+
+The reference of mapped skin is the model at 401 wavelengths for sixteen points a pixel,
+which takes a minute for a large picture. It is looked up in a table instead, whose XYZ
+are within 1e-6 of white (ΔE00 5e-5, measured on three scenes); with ``--literal`` not.
 """
 
 import argparse
@@ -18,6 +21,7 @@ from _plan_scenes import scene_of
 from _print import machine
 
 from skinviz import Plan, geometry_of, plan, render
+from skinviz.rendering import tints
 from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.tolerance import compare
 
@@ -25,6 +29,7 @@ TOLERANCES = (0.2, 0.5, 1.0, 2.0)
 PLAIN = Plan(samples=1, spectrum="scene", basis="points")
 FACTORISED = Plan(samples=16, spectrum="scene")
 UNIFORM = (1, 2, 4, 8, 16)
+_FINE_SHARE = 1e-6  # of white, by which the reference's table may be off
 
 
 def main() -> None:
@@ -35,6 +40,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=2)
     parser.add_argument("--summary", action="store_true")
     parser.add_argument("--kept-only", action="store_true", help="time nothing")
+    parser.add_argument("--literal", action="store_true", help="no table, see above")
     parser.add_argument("-o", "--out", type=Path, required=True)
     chosen = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -44,7 +50,12 @@ def main() -> None:
         for seed in range(chosen.first, chosen.seeds):
             if seed in done:
                 continue
-            row = tried(seed, chosen.runs, timed=not chosen.kept_only)
+            row = tried(
+                seed,
+                chosen.runs,
+                timed=not chosen.kept_only,
+                literal=chosen.literal,
+            )
             with chosen.out.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(row) + "\n")
             print(told(row), flush=True)
@@ -58,14 +69,14 @@ def rows_of(file: Path) -> list[dict]:
     return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
 
 
-def tried(seed: int, runs: int, *, timed: bool) -> dict:
+def tried(seed: int, runs: int, *, timed: bool, literal: bool) -> dict:
     """Return how one scene fares at every tolerance, and what the rivals take."""
     scene = scene_of(seed)
     geometry = geometry_of(scene.mesh)
     _ = geometry.embree, geometry.edges
     white = white_xyz(scene)
     begun = time.perf_counter()
-    reference = render(scene, Plan(), geometry=geometry)
+    reference = reference_of(scene, geometry, literal=literal)
     took = 1e3 * (time.perf_counter() - begun)
 
     def difference(picture):
@@ -115,6 +126,18 @@ def tried(seed: int, runs: int, *, timed: bool) -> dict:
         row["plain_kept"] = [difference(picture).kept(t) for t in TOLERANCES]
         _, row["factorised_ms"] = timing(FACTORISED, n=1)
     return row
+
+
+def reference_of(scene, geometry, *, literal: bool):
+    """Return the reference picture of a scene."""
+    if literal or scene.skin.values.ndim == 1:
+        return render(scene, Plan(), geometry=geometry)
+    usual = tints.TABLE_SHARE
+    tints.TABLE_SHARE = _FINE_SHARE
+    try:
+        return render(scene, Plan(reflectance="table"), geometry=geometry)
+    finally:
+        tints.TABLE_SHARE = usual
 
 
 def cheapest_uniform(made, tolerance, timing, difference):

@@ -76,7 +76,7 @@ def vertex_rows() -> list[Row]:
     scene = hand()
     fine = scene.mesh.subdivide(2, "linear")
     mesh = fine.decimate(1 - VERTICES / fine.n_points)
-    stage = stage_of(scene.replace(mesh=mesh), Plan(shadows=False))
+    stage = stage_of(scene.replace(mesh=mesh), Plan(shadows=False, spectrum="scene"))
     n = mesh.n_points
     share = VERTICES / n
     out = np.zeros((n, scene.wavelengths.size), dtype=np.float32)

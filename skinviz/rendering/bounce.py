@@ -64,10 +64,9 @@ def fields_of(
         return Fields(gathered, scene.diffuse_scale * spectra.light * spectra.body)
     values = np.broadcast_to(scene.skin.values, (n, scene.skin.values.shape[-1]))
     body = body_at(scene, values, spectra.wavelengths)
-    gathered = gather(
-        geometry, body * (leaving @ spectra.light), plan.bounce_rays, wanted
-    )
-    return _few_fields(gathered, scene.diffuse_scale)
+    shares, few = _few_spectra(body * (leaving @ spectra.light))
+    gathered = gather(geometry, shares, plan.bounce_rays, wanted)
+    return Fields(gathered, scene.diffuse_scale * few)
 
 
 def lit_vertices(geometry: Geometry, lighting: Lighting) -> Array:
@@ -79,14 +78,14 @@ def lit_vertices(geometry: Geometry, lighting: Lighting) -> Array:
     return lit[: len(lighting.lights)].T
 
 
-def _few_fields(gathered: Array, diffuse_scale: float) -> Fields:
-    """Return spectra (n, J) of vertices as mixtures of a few.
+def _few_spectra(leaving: Array) -> tuple[Array, Array]:
+    """Return spectra (n, J) as mixtures (n, e) of a few (e, J): light adds up linearly.
 
     These are the right singular vectors, from the small matrix that has them too.
     """
-    squares, vectors = np.linalg.eigh(gathered.T @ gathered)
+    squares, vectors = np.linalg.eigh(leaving.T @ leaving)
     few = vectors[:, squares > _RANK**2 * squares[-1]]
-    return Fields(gathered @ few, diffuse_scale * few.T)
+    return leaving @ few, few.T
 
 
 def gather(

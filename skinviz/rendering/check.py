@@ -18,6 +18,7 @@ from skinviz.rendering.tolerance import colour_differences
 Array = NDArray[np.float64]
 
 _PIXELS = 1000
+_WORTH = 20  # times as many rays, that a picture has at least where it is looked up
 _SEED = 49574  # other than the pilot's: what was chosen by luck shows
 
 _PICTURE = {"shadows": True, "specular": "dispersion", "shading": "points"}
@@ -26,11 +27,14 @@ _PICTURE = {"shadows": True, "specular": "dispersion", "shading": "points"}
 def checked(stage: Stage, image: Image) -> tuple[Stage, Image]:
     """Return a stage and its picture, drawn finer until it keeps the tolerance.
 
-    Looked at are pixels that the mesh fills, traced with all samples and all that the
+    Small pictures are as they are: to look anything up would cost as much. Looked at
+    are pixels that the mesh fills, traced with all samples and all that the
     plan left out of light and place; what it has of wavelengths and of light between
     parts was priced by itself, and its price is taken off the tolerance.
     """
     plan = stage.plan
+    if int(image.rays.sum(dtype=np.int64)) < _WORTH * _PIXELS * MOST_SAMPLES:
+        return stage, image
     allowed = (plan.tolerance or 0.0) - _spent(plan)
     exact = stage.replanned(samples=MOST_SAMPLES, refine=None, **_PICTURE)
     rng = np.random.default_rng(_SEED)

@@ -76,7 +76,7 @@ def _row(finding: Finding) -> tuple[str, ...]:
         finding.chosen,
         finding.left_out or "nothing",
         "-" if finding.delta_e is None else _told_difference(finding.delta_e),
-        f"{finding.saved:.0f} ms" if finding.saved >= 0.5 else "-",
+        f"{finding.saved:.0f} ms" if finding.saved > 0.5 else "-",
         refused,
     )
 

@@ -57,14 +57,19 @@ def image_of(stage: Stage, advance: Advance | None = None) -> Image:
     if plan.refine is not None:
         rays[stage.sight.outlines.ravel()] = MOST_SAMPLES
     image = Image(np.zeros((n, 3), np.float32), np.zeros(n, np.uint8), rays)
+    size, marked = stage.sight.blocks
+    blocks = np.argwhere(marked)
 
     def work(part: slice) -> None:
-        for samples in np.unique(rays[part]):
-            own = np.flatnonzero(rays[part] == samples) + part.start
-            _draw(painter, own, int(samples), image)
+        pixels = _pixels_of(blocks[part], size, width, height)
+        for samples in {plan.samples, MOST_SAMPLES}:
+            own = pixels[rays[pixels] == samples]
+            if own.size:
+                _draw(painter, own, samples, image)
 
     painter.prepare()
-    in_slices(work, n, _step(stage.colours, n, plan.samples), advance)
+    step = _step(stage.colours, len(blocks), plan.samples * size**2)
+    in_slices(work, len(blocks), step, _telling(advance, blocks, size, (width, height)))
     if plan.refine is not None and plan.samples < MOST_SAMPLES:
         _refine(painter, image)
     return image
@@ -110,6 +115,40 @@ def contrast_white(stage: Stage) -> Array:
     return white if white.min() > 0.01 * white[1] else np.full(3, white[1])
 
 
+def _pixels_of(blocks: Whole, size: int, width: int, height: int) -> Whole:
+    """Return the pixels (k,) of some blocks, those of one block in a row."""
+    within = np.arange(size)
+    rows = blocks[:, :1] * size + within
+    columns = blocks[:, 1:] * size + within
+    pixels = rows[:, :, None] * width + columns[:, None, :]
+    inside = (rows < height)[:, :, None] & (columns < width)[:, None, :]
+    return np.asarray(pixels[inside])
+
+
+def _telling(
+    advance: Advance | None, blocks: Whole, size: int, shape: tuple[int, int]
+) -> Advance | None:
+    """Return what tells of pixels done when it is told of blocks, in their order.
+
+    Pixels of blocks that cannot show the mesh are done at once.
+    """
+    if advance is None:
+        return None
+    corner = np.minimum((blocks + 1) * size, np.array(shape[::-1]))
+    counts = (corner - blocks * size).prod(axis=1)
+    ends = np.cumsum(counts)
+    advance(shape[0] * shape[1] - int(counts.sum()))
+    done = 0
+
+    def told(n: int) -> None:
+        nonlocal done
+        before = ends[done - 1] if done else 0
+        done += n
+        advance(int(ends[done - 1] - before))
+
+    return told
+
+
 def _draw(painter: Painter, pixels: Whole, samples: int, image: Image) -> None:
     """Write what is seen of pixels (k,), ascending, with as many samples each."""
     hits = painter.cast(pixels, samples)
@@ -127,10 +166,14 @@ def _refine(painter: Painter, image: Image) -> None:
     width, height = painter.stage.sight.view.size
     shape = (height, width)
     rough = np.zeros(shape, dtype=np.bool_)
-    kernels.contrasts(
-        *(image.xyz.reshape(*shape, 3), image.rays.reshape(shape), plan.samples),
-        *(contrast_white(painter.stage), plan.refine, rough),
-    )
+    xyz, rays = image.xyz.reshape(*shape, 3), image.rays.reshape(shape)
+    white, contrast = contrast_white(painter.stage), plan.refine
+
+    def look(part: slice) -> None:
+        rows = (part.start, part.stop)
+        kernels.contrasts(xyz, rays, plan.samples, white, contrast, *rows, rough)
+
+    in_slices(look, height, even_size(height, max(1, _RAYS // width)))
     partly = (image.covered > 0) & (image.covered < image.rays)
     chosen = np.flatnonzero(rough.ravel() | (partly & (image.rays < MOST_SAMPLES)))
 

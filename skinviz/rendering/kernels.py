@@ -345,21 +345,31 @@ def _roots(xyz: Any, white: Any, out: Any) -> None:
 
 @compiled()
 def contrasts(
-    xyz: Any, rays: Any, fewest: Any, white: Any, limit: Any, out: Any
+    xyz: Any,
+    rays: Any,
+    fewest: Any,
+    white: Any,
+    limit: Any,
+    start: Any,
+    stop: Any,
+    out: Any,
 ) -> None:
     """Mark in ``out`` (h, w) the pixels that differ from a neighbour by over ``limit``.
 
     ``xyz`` is (h, w, 3); only pixels with the fewest ``rays`` (h, w) are looked at,
-    the others are as fine as can be. Differences are about those of ΔE: of lightness,
-    and of chroma at half its size, as skin's chroma weighs.
+    the others are as fine as can be; rows from ``start`` to ``stop``, and each with
+    the one above it. Differences are about those of ΔE: of lightness, and of chroma
+    at half its size, as skin's chroma weighs.
     """
-    height, width = rays.shape
+    width = rays.shape[1]
     roots = np.zeros((2, width, 3))
     square = limit * limit
-    for row in range(height):
+    for row in range(max(start - 1, 0), stop):
         own, above = roots[row % 2], roots[(row + 1) % 2]
         for column in range(width):
             _roots(xyz[row, column], white, own[column])
+        if row < start:
+            continue
         for column in range(width):
             if rays[row, column] != fewest:
                 continue

@@ -50,7 +50,7 @@ class Painter:
             _ = stage.tints
 
     def cast(self, pixels: Whole, samples: int) -> trace.Hits:
-        """Cast the first rays of pixels (k,): row × width + column, ascending.
+        """Cast the first rays of pixels (k,): row × width + column, in any order.
 
         Those that cannot show the mesh are not traced.
         """

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._threads import even_size, in_slices
+from skinviz._threads import even_size, in_slices, processors
 from skinviz.rendering import kernels, trace
 from skinviz.rendering.imager import contrast_white
 from skinviz.rendering.painter import Painter
@@ -25,7 +25,6 @@ from skinviz.rendering.stage import Stage
 from skinviz.rendering.tolerance import (
     FEW,
     colour_differences,
-    edge_allowance,
     percentile_bound,
 )
 
@@ -76,8 +75,6 @@ class Pilot:
         Pixels that all of their rays fill.
     weights : (k,) ndarray of int64
         For how many pixels each of them stands.
-    edges : Sample
-        Pixels at edges, that some rays miss.
     share : float
         Of the pixels that may show the mesh, how many do. [1]
     population : int
@@ -88,9 +85,17 @@ class Pilot:
     stage: Stage
     filled: Sample
     weights: Whole
-    edges: Sample
     share: float
     population: int
+
+    @cached_property
+    def edges(self) -> Sample:
+        """Pixels at edges, that some of their rays miss."""
+        edges = np.flatnonzero(self.stage.sight.outlines)
+        if edges.size > EDGES:
+            rng = np.random.default_rng(_SEED)
+            edges = np.sort(rng.choice(edges, EDGES, replace=False))
+        return _traced(self.stage, edges, lambda n: (n > 0) & (n < MOST_SAMPLES))[0]
 
     @cached_property
     def white(self) -> Array:
@@ -126,14 +131,15 @@ class Pilot:
         unlit = int(self.weights[~lit].sum())
         return percentile_bound(differences, self.population - unlit)
 
-    def edges_kept(self, xyz: Array, reference: Array, tolerance: float) -> bool:
-        """Return whether edge pixels (k, 3) differ by no more than they may."""
+    def edge_difference(self, xyz: Array, reference: Array) -> float:
+        """Return the 99th percentile of how edge pixels (k, 3) differ.
+
+        The largest difference where the picture has few filled pixels, or few edges.
+        """
         differences = colour_differences(xyz, reference, self.white)
         if self.population < FEW or differences.size < EDGES // 8:
-            bound = float(differences.max(initial=0.0))
-        else:
-            bound = float(np.percentile(differences, 99))
-        return bound <= edge_allowance(tolerance)
+            return float(differences.max(initial=0.0))
+        return float(np.percentile(differences, 99))
 
     @cached_property
     def contrast_pixels(self) -> tuple[Whole, NDArray[np.bool_]]:
@@ -189,29 +195,21 @@ def pilot_of(stage: Stage) -> Pilot:
     rng = np.random.default_rng(_SEED)
     draw = _drawn(stage, rng)
     pixels, weights = _thinned(draw, rng)
-    outlined = stage.sight.outlines.ravel()
-    edges = np.flatnonzero(outlined)
-    few = draw.every and pixels.size == np.count_nonzero(draw.seen)
-    if few:  # only what an outline crosses can be filled where its one ray is not
+    every = draw.every and pixels.size == np.count_nonzero(draw.seen)
+    if every:  # only what an outline crosses can be filled where its one ray is not
+        outlined = stage.sight.outlines.ravel()
         more = np.setdiff1d(draw.pixels[outlined[draw.pixels]], pixels)
         pixels = np.concatenate([pixels, more])
         weights = np.concatenate([weights, np.ones(more.size, np.int64)])
-    elif edges.size > EDGES:
-        edges = np.sort(rng.choice(edges, EDGES, replace=False))
     order = np.argsort(pixels)
-    _ = stage.geometry.embree, stage.sight.frame  # once, not in each thread
-    with ThreadPoolExecutor(2) as pool:
-        rims = pool.submit(
-            _traced, stage, edges, lambda n: (n > 0) & (n < MOST_SAMPLES)
-        )
-        filled, which = _traced(stage, pixels[order], lambda n: n == MOST_SAMPLES)
+    filled, which = _traced(stage, pixels[order], lambda n: n == MOST_SAMPLES)
+    share = float(draw.seen.mean()) if draw.seen.size else 0.0
     return Pilot(
         stage,
         filled,
         weights[order][which],
-        rims.result()[0],
-        float(draw.seen.mean()) if draw.seen.size else 0.0,
-        filled.pixels.size if few else int(draw.seen.mean() * draw.population),
+        share,
+        filled.pixels.size if every else int(share * draw.population),
     )
 
 
@@ -317,7 +315,13 @@ def _traced(
 
     With them comes which these are.
     """
-    hits = trace.cast(stage.sight, cells(MOST_SAMPLES), pixels)
+    _ = stage.geometry.embree, stage.sight.frame  # once, not in each thread
+    halves = np.array_split(pixels, processors())
+    with ThreadPoolExecutor(len(halves)) as pool:
+        traced = pool.map(
+            lambda own: trace.cast(stage.sight, cells(MOST_SAMPLES), own), halves
+        )
+        hits = trace.joined(list(traced), MOST_SAMPLES)
     which = wanted(hits.covered.astype(np.int64))
     rank = np.cumsum(which) - 1
     kept = np.flatnonzero(which[hits.pixels])

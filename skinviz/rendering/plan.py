@@ -30,7 +30,7 @@ SAMPLES = (1, 2, 4, 8, 16)
 
 MOST_SAMPLES = SAMPLES[-1]
 
-SPECTRA = ("6 nodes", "10 nodes", "16", "31", "scene", "1 nm")
+SPECTRA = ("6 nodes", "10 nodes", "16 nodes", "16", "31", "scene", "1 nm")
 """Where colours are summed over wavelengths, from cheap to exact."""
 
 REFLECTANCES = ("vertices", "table", "model")

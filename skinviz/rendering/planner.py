@@ -16,6 +16,7 @@ from skinviz.rendering.pilot import FILLED, pilot_of
 from skinviz.rendering.plan import MOST_SAMPLES, Plan
 from skinviz.rendering.rates import Rates, machine_rates
 from skinviz.rendering.stage import Stage, stage_of
+from skinviz.rendering.tolerance import edge_allowance
 from skinviz.rendering.trial import Trial
 from skinviz.rendering.work import Work, work_of
 from skinviz.scene.scene import Scene
@@ -73,7 +74,7 @@ def planned(stage: Stage, tolerance: float) -> Stage:
     in_range(tolerance, TIGHTEST, LOOSEST, "tolerance", "ΔE00")
     work, rates = work_of(stage), machine_rates()
     search = _Search(stage, tolerance, work, rates)
-    if search.most_saved() > _PILOT_TRIALS * search.trial_cost:
+    if search.worth_it:
         search.decide()
     return search.result()
 
@@ -98,25 +99,34 @@ class _Search:
         """What of the tolerance is not used up by what is priced by itself."""
         return self.tolerance - sum(self.spent.values())
 
-    @property
-    def trial_cost(self) -> float:
-        """What it takes to find out about a level, about. [ms]"""
+    def trial_cost(self, plan: Plan) -> float:
+        """Return what it takes to look at all rays of a pilot, about. [ms]"""
         few = Work(self.reference, 1.3 * FILLED, 1.0, 0.0)
-        plan = self.stage.plan.replace(samples=MOST_SAMPLES, refine=None, bounce_rays=0)
-        return _TRIAL_FIXED + self.cost(plan, few)
+        all_rays = plan.replace(samples=MOST_SAMPLES, refine=None, bounce_rays=0)
+        return _TRIAL_FIXED + self.cost(all_rays, few)
+
+    def _price(self, knob: Knob) -> float:
+        """Return what it takes to find out about one of a knob's levels. [ms]"""
+        if knob.price is None:
+            return self.trial_cost(self.stage.plan)
+        price = knob.price(self.stage.plan, self.work, self.rates)
+        return _TRIAL_FIXED + price * MS / processors()
 
     def cost(self, plan: Plan, work: Work | None = None) -> float:
         """Return what a plan takes, about. [ms]"""
         each = sum(knob.cost(plan, work or self.work, self.rates) for knob in KNOBS)
         return each * MS / processors()
 
-    def most_saved(self) -> float:
-        """Return what the cheapest levels of all knobs would save together. [ms]"""
+    @property
+    def worth_it(self) -> bool:
+        """Whether the cheapest levels of all knobs would save more than a pilot."""
         cheapest: dict[str, Any] = {}
         for knob in KNOBS:
             cheapest |= knob.levels(self.work)[0]
         plan = self.reference.plan
-        return self.cost(plan) - self.cost(plan.replace(**{**cheapest, **_FEW_RAYS}))
+        least = plan.replace(**{**cheapest, **_FEW_RAYS})
+        saved = self.cost(plan) - self.cost(least)
+        return saved > _PILOT_TRIALS * self.trial_cost(least)
 
     def decide(self) -> None:
         """Decide knob by knob, those first that others are computed with."""
@@ -137,17 +147,20 @@ class _Search:
         dearest = self._least(exact)
         allowed = self.left if knob.share is None else knob.share * self.tolerance
         told: tuple[str, float | None] = ("", None)
-        price = knob.price(self.work, self.rates) if knob.price else 0.0
-        price = self.trial_cost + price * MS / processors()
+        price = self._price(knob)
         for level in sorted(levels, key=self._least):
             if self._least(level) > dearest - price:
                 break
             difference = knob.measure(trial, level)  # type: ignore[misc]
-            if difference <= allowed and (
-                knob.share is not None or trial.edges_bear(level, allowed)
-            ):
+            words = knob.told(self.stage.plan.replace(**level), self.work)
+            if difference <= allowed and knob.share is None:
+                edge = trial.edge_difference(level)
+                if edge > edge_allowance(allowed):
+                    told = (f"{words}, at edges", edge)
+                    continue
+            if difference <= allowed:
                 return self._choose(knob, level, difference, told, trial)
-            told = (knob.told(self.stage.plan.replace(**level)), difference)
+            told = (words, difference)
         self.found[knob.name] = (None if told[1] is None else 0.0, *told)
         return trial
 
@@ -166,7 +179,7 @@ class _Search:
             samples, enough = level["samples"], best[0] if best else most
             if not self._surveyed(samples):
                 even = self.cost(plan.replace(samples=samples, refine=_NEVER))
-                if even > enough - self.trial_cost:
+                if even > enough - self.trial_cost(plan):
                     break
                 self._survey(trial, samples)
             cost = self.cost(plan.replace(**level))
@@ -176,7 +189,10 @@ class _Search:
             if difference <= self.left:
                 best = (cost, level, difference)
             else:
-                told = (sampling.KNOB.told(plan.replace(**level)), difference)
+                told = (
+                    sampling.KNOB.told(plan.replace(**level), self.work),
+                    difference,
+                )
         if best is None:
             self.found[sampling.KNOB.name] = (0.0, *told)
             return trial
@@ -231,7 +247,7 @@ class _Search:
         beyond = knob.beyond(plan)
         return Finding(
             knob.name,
-            knob.told(plan),
+            knob.told(plan, self.work),
             beyond,
             difference if beyond else 0.0,
             max(self.cost(exact) - self.cost(plan), 0.0),

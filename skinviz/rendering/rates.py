@@ -20,6 +20,7 @@ import numpy as np
 
 from skinviz._files import whole_file
 from skinviz._threads import processors
+from skinviz.errors import SkinvizError
 
 _RUNS = 3
 _SIDE = 96  # pixels of the scene that is measured
@@ -79,7 +80,7 @@ def machine_rates() -> Rates:
         file.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(file) as partial:
             partial.write_text(json.dumps(dataclasses.asdict(rates)), encoding="utf-8")
-    except OSError:
+    except (OSError, SkinvizError):
         pass  # a folder that cannot be written costs a moment in each process
     return rates
 
@@ -115,7 +116,7 @@ def _read(file: Path) -> Rates | None:
     try:
         kept = json.loads(file.read_text(encoding="utf-8"))
         rates = Rates(**kept)
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         return None
     values = np.array(dataclasses.astuple(rates), dtype=object)
     fine = all(isinstance(v, float) and 0 < v < _MOST for v in values)

@@ -40,7 +40,7 @@ class Rendering:
     """A picture of a scene: its colours, and the spectrum of any pixel on demand.
 
     Spectra are not kept: they are traced anew where they are asked for, from the same
-    rays, so that a picture costs 13 bytes a pixel however many bands it has.
+    rays, so that a picture costs 14 bytes a pixel however many bands it has.
 
     Attributes
     ----------

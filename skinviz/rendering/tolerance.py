@@ -34,14 +34,13 @@ class Difference:
     Attributes
     ----------
     filled, edge : float
-        99th percentile over filled and over edge pixels, 0 where there are none; the
-        largest where ``few``.
+        99th percentile over filled and over edge pixels, 0 where there are none.
     most_filled, most_edge : float
-        Largest over them.
+        Largest over them, which counts where fewer than ``FEW`` are filled.
     n_filled, n_edge : int
         How many pixels these are.
     unlit : float
-        Share of the pixels filled with skin that no light reaches. [1]
+        Share of the pixels filled with skin that no light reaches, 0 of none. [1]
     """
 
     filled: float
@@ -111,7 +110,7 @@ def compare(
         float(edge.max(initial=0.0)),
         filled.size,
         edge.size,
-        1 - filled.size / max(int(full.sum()), 1),
+        1 - filled.size / int(full.sum()) if full.any() else 0.0,
     )
 
 

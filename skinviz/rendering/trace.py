@@ -91,7 +91,7 @@ def cast(sight: Sight, places: Array, pixels: Whole) -> Hits:
     places : (samples, 2) ndarray
         Of the rays in a pixel. [pixels]
     pixels : (k,) ndarray of int64
-        Row × width + column, ascending.
+        Row × width + column.
     """
     geometry, frame, size = sight.geometry, sight.frame, np.array(sight.view.size)
     n = pixels.size * len(places)
@@ -118,6 +118,28 @@ def cast(sight: Sight, places: Array, pixels: Whole) -> Hits:
         np.ascontiguousarray(lifted[:, :m]),
         np.ascontiguousarray(facets[:, :m]),
         covered,
+    )
+
+
+def joined(parts: list[Hits], samples: int) -> Hits:
+    """Return the hits of pixels that were cast in parts, with so many samples each."""
+    first = np.cumsum([0, *(part.covered.size for part in parts)])
+
+    def columns(name: str) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts], axis=1)
+
+    pixels = [part.pixels + n for part, n in zip(parts, first, strict=False)]
+    rays = [part.rays + samples * n for part, n in zip(parts, first, strict=False)]
+    return Hits(
+        rays=np.concatenate(rays),
+        pixels=np.concatenate(pixels),
+        triangles=np.concatenate([part.triangles for part in parts]),
+        weights=columns("weights"),
+        points=columns("points"),
+        normals=columns("normals"),
+        lifted=columns("lifted"),
+        facets=columns("facets"),
+        covered=np.concatenate([part.covered for part in parts]),
     )
 
 

@@ -67,16 +67,13 @@ class Trial:
                 trial.__dict__[name] = self.__dict__[name]
         return trial
 
-    def edges_bear(self, setting: Setting, tolerance: float) -> bool:
-        """Return whether edge pixels differ by no more than they may with a setting.
-
-        Those have all samples, whatever the sampling.
-        """
-        if "samples" in setting or self.pilot.edges.pixels.size == 0:
-            return True
+    def edge_difference(self, setting: Setting) -> float:
+        """Return what a setting changes in edge pixels, which have all samples."""
+        if self.pilot.edges.pixels.size == 0:
+            return 0.0
         painter = Painter(self.stage.replanned(**setting))
         own = self.pilot.edges.colours(painter).mean(axis=1)
-        return self.pilot.edges_kept(own, self.edge_truth, tolerance)
+        return self.pilot.edge_difference(own, self.edge_truth)
 
     def difference(self, setting: Setting) -> float:
         """Return a bound on what a setting changes in filled pixels. [ΔE00]"""

@@ -55,11 +55,11 @@ def require_triangles(mesh: pyvista.PolyData, source: str) -> tuple[Points, Face
             f"{source}: a face names point {faces.max()} of {len(points)}; the file is "
             "broken"
         )
-    return require_coordinates(points, source), faces
+    return require_finite(points, source), faces
 
 
-def require_coordinates(points: Points, source: str) -> Points:
-    """Return points (..., 3) or say which is no place that a scanner sees."""
+def require_finite(points: Points, source: str) -> Points:
+    """Return points (..., 3) or say which is no place at all."""
     finite = np.isfinite(points).reshape(-1, 3).all(axis=1)
     bad = np.flatnonzero(~finite)
     if bad.size:
@@ -67,6 +67,12 @@ def require_coordinates(points: Points, source: str) -> Points:
             f"{source}: point {bad[0]} is not finite ({bad.size} in all); remove "
             "such points in the program that wrote the file"
         )
+    return points
+
+
+def require_coordinates(points: Points, source: str) -> Points:
+    """Return points (..., 3) or say which is no place that a scanner sees."""
+    require_finite(points, source)
     far = np.flatnonzero((np.abs(points) > _FARTHEST).reshape(-1, 3).any(axis=1))
     if far.size:
         raise MeshError(

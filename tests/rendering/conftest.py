@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from planned_scenes import RATES
 
 from meshes import plane
 from skinviz import (
@@ -16,6 +17,7 @@ from skinviz import (
     TorranceSparrow,
     skin_model,
 )
+from skinviz.rendering import planner
 from skinviz.rendering.shade import shade, vertex_xyz
 from skinviz.rendering.stage import stage_of
 from skinviz.skin.model import Parameter
@@ -73,6 +75,15 @@ def matt(model):
 def white(matt):
     """The perfect diffuser in the place of the skin."""
     return matt.replace(skin=Skin(Painted(), [1.0]))
+
+
+@pytest.fixture(scope="module")
+def steady():
+    """The rates of one machine, on any."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(planner, "machine_rates", lambda: RATES)
+        patch.setattr(planner, "processors", lambda: 2)
+        yield RATES
 
 
 @pytest.fixture

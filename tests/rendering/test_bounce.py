@@ -295,7 +295,12 @@ def test_shadows_are_cast_before_light_is_thrown(white):
     scene = diffuse(white, mesh=joined(plane(9), wall, roof))
     scene = scene.replace(lights=(DirectionalLight([0.3, 0, 1]),))
     assert not luminance(scene)[:162].any()
-    assert luminance(scene, Plan(shadows=False))[:81].max() > 1
+    # Nor where the eye's own shadows are left out: all of it is direct light then.
+    direct = luminance(scene.replace(interreflection="none"), Plan(shadows=False))
+    both = luminance(scene, Plan(shadows=False))
+    np.testing.assert_allclose(both[:81], direct[:81], atol=1e-12)
+    open_scene = scene.replace(mesh=joined(plane(9), wall))
+    assert luminance(open_scene)[:81].max() > 1
 
 
 def test_vertices_and_pixels_gain_alike(corner):

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tolerances import ROUNDING
 
 from skinviz import ArgumentError, skin_model
-from skinviz.skin.table import SAFETY, reflectance_table
+from skinviz.skin.table import SAFETY, ReflectanceTable, reflectance_table
 from skinviz.spectra.colorimetry import xyz_weights
 from skinviz.spectra.illuminants import illuminant_spd
 
@@ -220,6 +220,16 @@ def test_no_range_is_one_colour(dtype):
     assert_allclose(table.at([own, own]), [exact, exact], rtol=rounding)
     with pytest.raises(ArgumentError, match=r"parameter 0 from 0\.1 to 0\.1"):
         table.at([[0.11, 0.008, 0.004]])
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_a_table_of_one_colour_reads_nothing_but_it(dtype):
+    # What lies in memory after it is anything: here, no numbers.
+    memory = np.full(64, np.nan, dtype)
+    memory[:3] = 1, 2, 3
+    one, error = np.array([0.1]), np.zeros(3)
+    table = ReflectanceTable(one, one, (), memory[:3], error)
+    assert_array_equal(table.at(np.tile(one, (5, 1))), np.tile(memory[:3], (5, 1)))
 
 
 @pytest.mark.parametrize("m", [0, 1, 127, 128, 129, 30_000])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skinviz.rendering.knobs.knob import Knob, Setting
+from skinviz.rendering.knobs.spectrum import body_price
 from skinviz.rendering.plan import ARITHMETICS, Plan
 from skinviz.rendering.rates import Rates
 from skinviz.rendering.work import Work
@@ -29,9 +30,10 @@ KNOB = Knob(
     "arithmetic",
     _levels,
     _cost,
-    lambda plan: f"{plan.arithmetic} precision",
+    lambda plan, _: f"{plan.arithmetic} precision",
     lambda plan: "" if plan.arithmetic == "double" else "29 bits of each tint",
     lambda trial, setting: trial.body_difference(setting),
     share=0.3,
     group="body",
+    price=body_price,
 )

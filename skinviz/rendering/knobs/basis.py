@@ -21,7 +21,7 @@ KNOB = Knob(
     "basis",
     lambda _: [{"basis": "shared"}],
     _cost,
-    lambda plan: (
+    lambda plan, _: (
         "spectra shared" if plan.basis == "shared" else "spectra at each point"
     ),
     lambda _: "",

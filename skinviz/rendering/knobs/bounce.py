@@ -37,13 +37,15 @@ def _cost(plan: Plan, work: Work, rates: Rates) -> float:
     return work.vertices * plan.bounce_rays * each + model + lit
 
 
-def _price(work: Work, rates: Rates) -> float:
+def _price(_: Plan, work: Work, rates: Rates) -> float:
     """Return the time of finding out."""
     return min(work.vertices, _TRIED) * TRIAL_RAYS * rates.bounce
 
 
-def _told(plan: Plan) -> str:
+def _told(plan: Plan, work: Work) -> str:
     """Return the level in words."""
+    if not work.bounces:
+        return "none declared"
     return f"{plan.bounce_rays} rays a vertex" if plan.bounce_rays else "none"
 
 

@@ -35,7 +35,7 @@ class Knob:
         From a plan, the work and the rates to the time that this knob's part of the
         picture takes on one processor. [ns]
     told : callable
-        From a plan to its level in words.
+        From a plan and the work to the plan's level in words.
     beyond : callable
         From a plan to what the reference has beyond it, empty if nothing.
     measure : callable or None
@@ -47,16 +47,16 @@ class Knob:
     group : str
         Of knobs whose differences are told together, each with those before it.
     price : callable or None
-        From the work and the rates to the time that it takes to find out about a
-        level, beyond what looking at a pilot's points takes. [ns]
+        From a plan, the work and the rates to the time that it takes one processor
+        to find out about a level [ns]; None if all rays of a pilot are looked at.
     """
 
     name: str
     levels: Callable[[Work], Sequence[Setting]]
     cost: Callable[[Plan, Work, Rates], float]
-    told: Callable[[Plan], str]
+    told: Callable[[Plan, Work], str]
     beyond: Callable[[Plan], str]
     measure: Callable[[Trial, Setting], float] | None
     share: float | None = None
     group: str = ""
-    price: Callable[[Work, Rates], float] | None = None
+    price: Callable[[Plan, Work, Rates], float] | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from skinviz.rendering.knobs.knob import Knob, Setting
-from skinviz.rendering.knobs.spectrum import nodes
+from skinviz.rendering.knobs.spectrum import body_price, nodes
 from skinviz.rendering.plan import REFLECTANCES, Plan
 from skinviz.rendering.rates import Rates
 from skinviz.rendering.work import TABLE_ENTRIES, Work
@@ -37,9 +37,10 @@ KNOB = Knob(
     "reflectance",
     _levels,
     _cost,
-    lambda plan: _WORDS[plan.reflectance],
+    lambda plan, work: _WORDS[plan.reflectance] if work.mapped else "the model, once",
     lambda plan: "" if plan.reflectance == "model" else "the model at each point",
     lambda trial, setting: trial.body_difference(setting),
     share=0.25,
     group="body",
+    price=body_price,
 )

@@ -31,7 +31,7 @@ def _cost(plan: Plan, work: Work, rates: Rates) -> float:
     return work.rays(plan) * rates.ray
 
 
-def _told(plan: Plan) -> str:
+def _told(plan: Plan, _: Work) -> str:
     """Return the level in words."""
     if plan.refine is None or plan.samples == MOST_SAMPLES:
         return f"{plan.samples} rays a pixel"

@@ -19,7 +19,7 @@ KNOB = Knob(
     "shading",
     lambda _: [{"shading": "vertices"}, {"shading": "points"}],
     _cost,
-    lambda plan: f"at {plan.shading}",
+    lambda plan, _: f"at {plan.shading}",
     lambda plan: "" if plan.shading == "points" else "light between vertices",
     lambda trial, setting: trial.difference(setting),
 )

@@ -22,7 +22,7 @@ KNOB = Knob(
     "shadows",
     lambda _: [{"shadows": False}, {"shadows": True}],
     _cost,
-    lambda plan: "cast" if plan.shadows else "none",
+    lambda plan, _: "cast" if plan.shadows else "none",
     lambda plan: "" if plan.shadows else "cast shadows",
     lambda trial, setting: trial.difference(setting),
 )

@@ -6,10 +6,14 @@ from collections.abc import Sequence
 
 from skinviz.rendering.knobs.knob import Knob, Setting
 from skinviz.rendering.plan import SPECTRA, Plan
+from skinviz.rendering.rates import Rates
 from skinviz.rendering.work import Work
 
 NANOMETRES = 401
 """Nodes of the finest level, where all data reach so far."""
+
+_TRIED = 1400  # points of a pilot, about
+_RULE_TIME = 8e6  # ns: choosing nodes, or where a table has its own
 
 
 _WORDS = {"1 nm": "every nm", "scene": "the scene's bands"}
@@ -29,7 +33,12 @@ def nodes(plan: Plan, work: Work) -> int:
     return int(plan.spectrum.split()[0])
 
 
-def _told(plan: Plan) -> str:
+def body_price(plan: Plan, work: Work, rates: Rates) -> float:
+    """Return the time of finding out about another reflectance, or its sum."""
+    return _RULE_TIME + _TRIED * nodes(plan, work) * rates.band
+
+
+def _told(plan: Plan, _: Work) -> str:
     """Return the level in words."""
     if plan.spectrum in _WORDS:
         return _WORDS[plan.spectrum]
@@ -50,4 +59,5 @@ KNOB = Knob(
     lambda trial, setting: trial.body_difference(setting),
     share=0.15,
     group="body",
+    price=body_price,
 )

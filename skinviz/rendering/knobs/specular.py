@@ -49,7 +49,7 @@ KNOB = Knob(
     "specular",
     _levels,
     _cost,
-    lambda plan: _WORDS[plan.specular],
+    lambda plan, _: _WORDS[plan.specular],
     lambda plan: _BEYOND[plan.specular],
     lambda trial, setting: trial.difference(setting),
 )
