@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinviz.errors import ArgumentError, SceneWarning
 from skinviz.rendering.geometry import Geometry, geometry_of
-from skinviz.rendering.plan import MOST_SAMPLES, Plan
+from skinviz.rendering.plan import MOST_SAMPLES, SPECTRA, Plan
 from skinviz.rendering.render import Rendering, render
 from skinviz.rendering.spectral import light_spectra, white_xyz
 from skinviz.rendering.tolerance import FEW, Difference, compare
@@ -163,10 +163,11 @@ def front(cost: ArrayLike, error: ArrayLike) -> NDArray[np.bool_]:
     """
     cost, error = np.asarray(cost, np.float64), np.asarray(error, np.float64)
     on_it = np.zeros(cost.size, dtype=bool)
-    best = np.inf
+    least = (np.inf, np.inf)
     for i in np.lexsort((error, cost)):
-        if np.isfinite(cost[i]) and error[i] < best:
-            best, on_it[i] = error[i], True
+        own = (error[i], cost[i])
+        if np.isfinite(own).all() and (own[0] < least[0] or own == least):
+            least, on_it[i] = own, True
     return on_it
 
 
@@ -228,7 +229,7 @@ def _kind(plan: Plan) -> Plan:
         samples=min(plan.samples, 4),
         refine=None if plan.refine is None else 1.0,
         bounce_rays=min(plan.bounce_rays, 16),
-        spectrum="4 nodes",
+        spectrum=SPECTRA[0],
     )
 
 

@@ -117,7 +117,8 @@ def _planned(
 def _uniform() -> Iterator[Way]:
     """Yield fewer samples, as many for each pixel."""
     for samples in SAMPLES[:-1]:
-        yield Way(UNIFORM, f"{samples} rays a pixel", Plan(samples=samples))
+        rays = "1 ray" if samples == 1 else f"{samples} rays"
+        yield Way(UNIFORM, f"{rays} a pixel", Plan(samples=samples))
 
 
 def _one_knob(work: Work) -> Iterator[Way]:
