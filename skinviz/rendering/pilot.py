@@ -186,7 +186,7 @@ def point_colours(painter: Painter, hits: trace.Hits) -> Array:
         out[hits.rays[part]] = painter.colours(own, 1)
 
     m = hits.rays.size
-    in_slices(work, m, even_size(m, _AT_ONCE) if m > _ALONE else m)
+    in_slices(work, m, even_size(m, _AT_ONCE) if m > _ALONE else _ALONE)
     return out
 
 
