@@ -23,7 +23,7 @@ def test_findings_are_told_in_columns():
     assert told_table(0.5, SOME).splitlines() == [
         "tolerance ΔE00 0.5",
         f"knob      chosen          left out{20 * ' '}ΔE00    saved  too coarse",
-        "spectrum  8 nodes         the wavelengths between    0.012  1234 ms",
+        "spectrum  10 nodes        the wavelengths between    0.012  1234 ms",
         "basis     spectra shared  nothing                        0        -",
         "shadows   cast            nothing                        -        -  none: 31",
         "specular  none            the surface's reflection  10.000        -  x",
