@@ -6,7 +6,7 @@ from skinviz import Plan
 from skinviz.rendering.finding import Finding, told_table
 
 SOME = (
-    Finding("spectrum", "10 nodes", "the wavelengths between", 0.0123, 1234.4),
+    Finding("spectrum", "8 nodes", "the wavelengths between", 0.0123, 1234.4),
     Finding("basis", "spectra shared", "", 0.0, 0.4),
     Finding("shadows", "cast", "", None, 0.0, "none", 31.46),
     # Half a millisecond is rounded to none.
