@@ -101,16 +101,18 @@ def test_what_differs_from_the_reference_is_told_as_left_out(case):
         for knob in KNOBS:
             if not knob.beyond(picture.plan):
                 # Then, and only then, is the knob's setting the reference's.
-                told = knob.told(picture.plan)
-                exact = knob.levels(work_of(stage_of(case.scene)))[-1]
-                assert told == knob.told(picture.plan.replace(**exact))
+                work = work_of(stage_of(case.scene))
+                told = knob.told(picture.plan, work)
+                exact = picture.plan.replace(**knob.levels(work)[-1])
+                assert told == knob.told(exact, work)
 
 
 def test_pictures_are_checked_where_something_was_left_out(case):
     for tolerance, picture in case.pictures.items():
         own = picture.plan
         checks = [f for f in own.findings if f.knob == "check"]
-        assert len(checks) == (own.samples < 16)
+        large = picture.rays.sum(dtype=int) >= 320_000
+        assert len(checks) == (own.samples < 16 and large)
         assert all(0 <= check.delta_e <= tolerance for check in checks)
 
 
@@ -312,7 +314,7 @@ def test_uniform_skin_has_nothing_to_leave_out_of_its_spectra(model, steady):
         assert told.delta_e == 0
 
 
-@pytest.mark.parametrize("slow", ["shadow", "ray", "band"])
+@pytest.mark.parametrize("slow", ["ray", "band"])
 def test_what_costs_nothing_is_not_left_out(model, slow):
     # Where only one kind of work takes time, only that is saved.
     none = dict.fromkeys(dataclasses.asdict(RATES), 1e-3)
@@ -321,9 +323,9 @@ def test_what_costs_nothing_is_not_left_out(model, slow):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(planner, "machine_rates", lambda: rates)
         planned = plan(scene, 3.0)
+    assert planned.shadows
     if slow == "band":
         assert planned.spectrum != "1 nm" or planned.reflectance != "model"
-        assert planned.shadows
     else:
         assert planned.spectrum == "1 nm"
         assert planned.reflectance == "model"
