@@ -39,9 +39,9 @@ class Difference:
     most_filled, most_edge : float
         Largest over them, which counts where fewer than ``FEW`` are filled.
     n_filled, n_edge : int
-        How many pixels these are.
+        How many lit pixels of the reference these are.
     unlit : float
-        Share of the pixels filled with skin that no light reaches, 0 of none. [1]
+        Share of the pixels filled with skin that no light reaches in the reference. [1]
     """
 
     filled: float
@@ -109,14 +109,15 @@ def compare(
     edges = (hits > 0) & ~full
     filled = colour_differences(ours[full & lit], true[full & lit], white)
     edge = colour_differences(ours[edges], true[edges], white)
+    n_filled = int((full & (true[:, 1] > 0)).sum())
     return Difference(
         _percentile(filled),
         _percentile(edge),
         float(filled.max(initial=0.0)),
         float(edge.max(initial=0.0)),
-        filled.size,
+        n_filled,
         edge.size,
-        1 - filled.size / int(full.sum()) if full.any() else 0.0,
+        1 - n_filled / int(full.sum()) if full.any() else 0.0,
     )
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
-from scipy.stats import binom
+from scipy.stats import binom, hypergeom
 
 from skinviz.rendering.tolerance import (
     FEW,
@@ -18,6 +18,8 @@ from skinviz.rendering.tolerance import (
 
 D65 = np.array([0.95047, 1.0, 1.08883])
 FLAT = np.ones(3)
+MANY = 10**9
+"""Pixels, of which those drawn are next to nothing."""
 
 
 def some_xyz(n, seed=0, brightest=1.0):
@@ -177,12 +179,21 @@ def test_unlit_pixels_do_not_count_but_are_told():
     reference, covered = picture(2000, 100)
     filled = np.flatnonzero(covered == 16)
     reference[filled[:500]] = 0
-    xyz = reference.copy()
-    xyz[filled[:500]] = 0.5
-    found = compare(xyz, reference, covered, D65)
+    found = compare(reference, reference, covered, D65)
     assert found.unlit == 0.25
     assert found.n_filled == 1500
     assert found.filled == found.most_filled == 0
+
+
+def test_light_where_the_reference_is_dark_counts():
+    reference, covered = picture(2000, 100)
+    filled = np.flatnonzero(covered == 16)
+    reference[filled[:500]] = 0
+    xyz = reference.copy()
+    xyz[filled[:500]] = 0.5
+    found = compare(xyz, reference, covered, D65)
+    assert (found.unlit, found.n_filled) == (0.25, 1500)
+    assert found.filled > 50
 
 
 def test_pixels_without_the_mesh_do_not_count():
@@ -237,22 +248,38 @@ def test_bounds_are_the_order_statistics_that_binomials_say(n):
     draws = np.random.default_rng(n).permutation(n).astype(float)
     spare = brute_force_rank(n)
     expected = np.inf if spare < 0 else n - 1 - spare
-    assert percentile_bound(draws) == expected
+    assert percentile_bound(draws, MANY) == expected
 
 
 def test_samples_too_small_to_tell_have_no_bound():
     # 0.99^n falls below 0.001 at n = 688.
     assert 0.99**687 > 1e-3 > 0.99**688
     for n in (0, 1, 687):
-        assert percentile_bound(np.zeros(n)) == np.inf
-    assert percentile_bound(np.zeros(688)) == 0
+        assert percentile_bound(np.zeros(n), MANY) == np.inf
+    assert percentile_bound(np.zeros(688), MANY) == 0
 
 
-@pytest.mark.parametrize("n", [0, 1, 500, 2000])
-def test_of_all_there_are_the_largest_is_the_bound(n):
+@pytest.mark.parametrize("n", [0, 1, 500, 999])
+def test_of_all_of_few_the_largest_is_the_bound(n):
     draws = np.random.default_rng(n).gamma(1, 1, n)
     expected = draws.max() if n else 0.0
-    assert percentile_bound(draws, all_of_them=True) == expected
+    assert percentile_bound(draws, n) == expected
+
+
+@pytest.mark.parametrize("n", [1000, 2000])
+def test_of_all_of_many_the_percentile_is_the_bound(n):
+    draws = np.random.default_rng(n).permutation(n).astype(float)
+    assert percentile_bound(draws, n) == n - 1 - n // 100
+
+
+@pytest.mark.parametrize(("n", "population"), [(900, 1100), (1100, 2400), (1100, 9999)])
+def test_draws_that_are_not_put_back_bound_more_closely(n, population):
+    draws = np.random.default_rng(n).permutation(n).astype(float)
+    spare = n - 1 - int(percentile_bound(draws, population))
+    beyond = population // 100 + 1
+    chances = hypergeom.cdf([spare, spare + 1], population, beyond, n)
+    assert chances[0] <= 1e-3 < chances[1]
+    assert percentile_bound(draws, population) <= percentile_bound(draws, MANY)
 
 
 @pytest.mark.parametrize("n", [700, 1100])
@@ -265,7 +292,7 @@ def test_a_bound_is_too_low_in_less_than_one_case_of_a_thousand(n):
     bounds = rng.beta(n - spare, spare + 1, runs)
     low = (bounds < 0.99).mean()
     assert low <= 1e-3 + 4 * np.sqrt(1e-3 / runs)
-    few = np.array([percentile_bound(rng.random(n)) for _ in range(4000)])
+    few = np.array([percentile_bound(rng.random(n), MANY) for _ in range(4000)])
     assert (few < 0.99).sum() <= 15  # 4 expected; more by a chance of 1e-5
     assert np.median(few) == pytest.approx(np.median(bounds), abs=2e-4)
 
@@ -273,4 +300,4 @@ def test_a_bound_is_too_low_in_less_than_one_case_of_a_thousand(n):
 @given(st.integers(688, 3000), st.integers(0, 2**32 - 1))
 def test_bounds_never_lie_below_the_samples_own_percentile(n, seed):
     draws = np.random.default_rng(seed).exponential(1, n)
-    assert percentile_bound(draws) >= np.quantile(draws, 0.99, method="lower")
+    assert percentile_bound(draws, MANY) >= np.quantile(draws, 0.99, method="lower")
