@@ -13,7 +13,7 @@ from skinviz.rendering.painter import Painter
 from skinviz.rendering.pilot import point_colours
 from skinviz.rendering.plan import MOST_SAMPLES, Plan, cells
 from skinviz.rendering.stage import Stage
-from skinviz.rendering.tolerance import colour_differences
+from skinviz.rendering.tolerance import colour_differences, is_lit
 
 Array = NDArray[np.float64]
 
@@ -88,9 +88,9 @@ def _difference(
     hits = trace.cast(exact.sight, cells(MOST_SAMPLES), filled)
     flat = point_colours(Painter(exact), hits.apart(filled.size * MOST_SAMPLES))
     truth = flat.reshape(filled.size, MOST_SAMPLES, 3).mean(axis=1)
-    lit = truth[:, 1] > 0
-    own = image.xyz[filled][lit].astype(np.float64)
-    differences = colour_differences(own, truth[lit], exact.white)
+    own = image.xyz[filled].astype(np.float64)
+    lit = is_lit(own, truth)
+    differences = colour_differences(own[lit], truth[lit], exact.white)
     if differences.size == 0:
         return 0.0, 0
     return float(np.percentile(differences, 99)), differences.size

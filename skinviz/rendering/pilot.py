@@ -25,6 +25,7 @@ from skinviz.rendering.stage import Stage
 from skinviz.rendering.tolerance import (
     FEW,
     colour_differences,
+    is_lit,
     percentile_bound,
 )
 
@@ -78,8 +79,7 @@ class Pilot:
     share : float
         Of the pixels that may show the mesh, how many do. [1]
     population : int
-        How many filled pixels the picture has, about; no more than the weights' sum
-        where these are all.
+        How many filled pixels the picture has, about; exactly where these are all.
     """
 
     stage: Stage
@@ -87,6 +87,11 @@ class Pilot:
     weights: Whole
     share: float
     population: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether the filled pixels are all that the picture has."""
+        return self.filled.pixels.size >= self.population
 
     @cached_property
     def edges(self) -> Sample:
@@ -123,9 +128,9 @@ class Pilot:
     def judge(self, xyz: Array, reference: Array) -> float:
         """Return a bound on the 99th percentile of how filled pixels (k, 3) differ.
 
-        Unlit ones do not count.
+        Those unlit in both do not count.
         """
-        lit = reference[:, 1] > 0
+        lit = is_lit(xyz, reference)
         differences = colour_differences(xyz[lit], reference[lit], self.white)
         differences = np.repeat(differences, self.weights[lit])
         unlit = int(self.weights[~lit].sum())

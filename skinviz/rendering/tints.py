@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 TABLE_SHARE = 3e-4
 """Largest error of a table's XYZ, as a share of white: a ΔE of 0.03 in light skin."""
 
+_LEAST_WHITE = 0.01
 _NUMBERS = 2**22  # of reflectance that a thread holds
 
 
@@ -127,6 +128,7 @@ def table_of(stage: Stage, mixing: Array, dtype: Any) -> ReflectanceTable:
     """Return a table of tints over the pigments of a scene."""
     values = vertex_pigments(stage.scene)
     white = np.abs(mixing).sum(axis=0)
+    white = np.maximum(white, _LEAST_WHITE * white.max())  # a laser may have no Z
     return reflectance_table(
         stage.scene.skin.model,
         values.min(axis=0),

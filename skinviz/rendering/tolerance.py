@@ -2,8 +2,9 @@
 
 Compared are linear XYZ after exposure, before display encoding, Y clipped at 1 by
 scaling, as ΔE00 with the perfect diffuser under light 1 as the white. The pixels are
-those that all sixteen rays of the reference fill with lit skin, and apart from them
-those at edges, which some rays miss.
+those that all sixteen rays of the reference fill with skin, lit in the reference or in
+the picture (a shadow left out counts), and apart from them those at edges, which some
+rays miss.
 """
 
 from __future__ import annotations
@@ -38,9 +39,9 @@ class Difference:
     most_filled, most_edge : float
         Largest over them, which counts where fewer than ``FEW`` are filled.
     n_filled, n_edge : int
-        How many pixels these are.
+        How many lit pixels of the reference these are.
     unlit : float
-        Share of the pixels filled with skin that no light reaches, 0 of none. [1]
+        Share of the pixels filled with skin that no light reaches in the reference. [1]
     """
 
     filled: float
@@ -73,6 +74,11 @@ def colour_differences(xyz: Array, reference: Array, white: Array) -> Array:
     )
 
 
+def is_lit(xyz: Array, reference: Array) -> NDArray[np.bool_]:
+    """Return which pixels (n,) are lit in a picture (n, 3) or in the reference."""
+    return (xyz[:, 1] > 0) | (reference[:, 1] > 0)
+
+
 def edge_allowance(tolerance: float) -> float:
     """Return what edge pixels may differ by where others may by ``tolerance``."""
     return max(tolerance, _EDGE)
@@ -99,18 +105,19 @@ def compare(
     ours = np.reshape(xyz, (-1, 3)).astype(np.float64)
     true = np.reshape(reference, (-1, 3)).astype(np.float64)
     full = hits == MOST_SAMPLES
-    lit = true[:, 1] > 0
+    lit = is_lit(ours, true)
     edges = (hits > 0) & ~full
     filled = colour_differences(ours[full & lit], true[full & lit], white)
     edge = colour_differences(ours[edges], true[edges], white)
+    n_filled = int((full & (true[:, 1] > 0)).sum())
     return Difference(
         _percentile(filled),
         _percentile(edge),
         float(filled.max(initial=0.0)),
         float(edge.max(initial=0.0)),
-        filled.size,
+        n_filled,
         edge.size,
-        1 - filled.size / int(full.sum()) if full.any() else 0.0,
+        1 - n_filled / int(full.sum()) if full.any() else 0.0,
     )
 
 

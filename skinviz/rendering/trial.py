@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
-from skinviz.rendering.knobs.bounce import TRIAL_RAYS
+from skinviz.rendering.knobs.bounce import trial_rays
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.pilot import Pilot, point_colours
 from skinviz.rendering.plan import MOST_SAMPLES
@@ -98,18 +98,18 @@ class Trial:
     def bounce_difference(self, setting: Setting) -> float:
         """Return a bound on what fewer rays between parts change. [ΔE00]
 
-        Judged by one ray of each pixel, and vertices that look in 64 directions: the
-        many of the reference would cost as much as the picture.
+        Judged by one ray of each pixel, and by fewer directions than the reference's
+        where the picture is large.
         """
-        n = setting["bounce_rays"]
-        if n >= TRIAL_RAYS:  # by the sixteen's error, which falls at least as 1/√n
-            return self._gathered_difference(16) / _GAIN
-        return self._gathered_difference(n)
+        n, most = setting["bounce_rays"], trial_rays(self.pilot.population)
+        if n < most:
+            return self._gathered_difference(n, most)
+        # By the error of a quarter of them, which falls at least as 1/√n.
+        return self._gathered_difference(most // 4, most) / _GAIN
 
-    def _gathered_difference(self, n_rays: int) -> float:
-        """Return a bound on what ``n_rays`` change against 64. [ΔE00]"""
-        own, reference = self._gathered(n_rays), self._gathered(TRIAL_RAYS)
-        return self.pilot.judge(own, reference)
+    def _gathered_difference(self, n_rays: int, most: int) -> float:
+        """Return a bound on what ``n_rays`` change against the most. [ΔE00]"""
+        return self.pilot.judge(self._gathered(n_rays), self._gathered(most))
 
     def _gathered(self, n_rays: int) -> Array:
         """Return XYZ (k, 3) of one ray of each pixel with so many rays a vertex."""

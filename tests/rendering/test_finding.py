@@ -6,7 +6,7 @@ from skinviz import Plan
 from skinviz.rendering.finding import Finding, told_table
 
 SOME = (
-    Finding("spectrum", "10 nodes", "the wavelengths between", 0.0123, 1234.4),
+    Finding("spectrum", "8 nodes", "the wavelengths between", 0.0123, 1234.4),
     Finding("basis", "spectra shared", "", 0.0, 0.4),
     Finding("shadows", "cast", "", None, 0.0, "none", 31.46),
     # Half a millisecond is rounded to none.
@@ -23,7 +23,7 @@ def test_findings_are_told_in_columns():
     assert told_table(0.5, SOME).splitlines() == [
         "tolerance ΔE00 0.5",
         f"knob      chosen          left out{20 * ' '}ΔE00    saved  too coarse",
-        "spectrum  10 nodes        the wavelengths between    0.012  1234 ms",
+        "spectrum  8 nodes         the wavelengths between    0.012  1234 ms",
         "basis     spectra shared  nothing                        0        -",
         "shadows   cast            nothing                        -        -  none: 31",
         "specular  none            the surface's reflection  10.000        -  x",

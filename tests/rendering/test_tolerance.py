@@ -177,12 +177,21 @@ def test_unlit_pixels_do_not_count_but_are_told():
     reference, covered = picture(2000, 100)
     filled = np.flatnonzero(covered == 16)
     reference[filled[:500]] = 0
-    xyz = reference.copy()
-    xyz[filled[:500]] = 0.5
-    found = compare(xyz, reference, covered, D65)
+    found = compare(reference, reference, covered, D65)
     assert found.unlit == 0.25
     assert found.n_filled == 1500
     assert found.filled == found.most_filled == 0
+
+
+def test_light_where_the_reference_is_dark_counts():
+    reference, covered = picture(2000, 100)
+    filled = np.flatnonzero(covered == 16)
+    reference[filled[:500]] = 0
+    xyz = reference.copy()
+    xyz[filled[:500]] = 0.5
+    found = compare(xyz, reference, covered, D65)
+    assert (found.unlit, found.n_filled) == (0.25, 1500)
+    assert found.filled > 50
 
 
 def test_pixels_without_the_mesh_do_not_count():

@@ -8,14 +8,13 @@ from skinviz.rendering.knobs.knob import Knob, Setting
 from skinviz.rendering.knobs.spectrum import nodes
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.rates import Rates
+from skinviz.rendering.tolerance import FEW
 from skinviz.rendering.work import Work
 
 RAYS = (0, 16, 64, 256)
 """Directions a vertex looks in; the last is the reference's."""
 
-TRIAL_RAYS = 64
-"""By which fewer are judged: the reference's would cost as much as the picture."""
-
+_TRIAL_RAYS = 64  # by which fewer are judged: more would cost as much as the picture
 _TRIED = 3300  # vertices at most, that a pilot's points lie between
 _GATHERED = 0.3  # share of a ray's time that each further number takes it to fetch
 
@@ -37,9 +36,18 @@ def _cost(plan: Plan, work: Work, rates: Rates) -> float:
     return work.vertices * plan.bounce_rays * each + model + lit
 
 
+def trial_rays(n_filled: float) -> int:
+    """Return the directions by which fewer are judged, for so many filled pixels.
+
+    Of few pixels the largest difference counts, of which 64 directions tell nothing.
+    """
+    return _TRIAL_RAYS if n_filled >= FEW else RAYS[-1]
+
+
 def _price(_: Plan, work: Work, rates: Rates) -> float:
     """Return the time of finding out."""
-    return min(work.vertices, _TRIED) * TRIAL_RAYS * rates.bounce
+    rays = trial_rays(work.pixels * work.share)
+    return min(work.vertices, _TRIED) * rays * rates.bounce
 
 
 def _told(plan: Plan, work: Work) -> str:
