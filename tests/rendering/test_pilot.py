@@ -289,6 +289,21 @@ def test_edges_differ_by_what_they_are_changed(matt):
     assert 2 < pilot.edge_difference(0.5 * edges, edges) < 100
 
 
+@pytest.mark.parametrize("size", [60, 150, 176, 190, 205, 300])
+def test_of_few_lit_pixels_all_are_judged_or_nothing_is_told(matt, size):
+    # A crescent of light, of whose rim the pilot holds a part.
+    scene = hand(matt, (size, size))
+    scene = scene.replace(lights=(DirectionalLight([-1, -0.8, 0.1]),))
+    pilot = pilot_of(stage_of(scene, Plan(spectrum="16")))
+    picture = full_trace(scene)
+    lit = (picture.covered == 16) & (picture.xyz[..., 1] > 0)
+    assert lit.sum() < FEW
+    light = pilot.filled.colours(Painter(pilot.stage)).mean(axis=1)
+    found = pilot.judge(0.9 * light, light)
+    drawn = np.isin(np.flatnonzero(lit), pilot.filled.pixels)
+    assert np.isinf(found) == (not drawn.all())
+
+
 def test_one_edge_counts_only_where_few_pixels_are_filled(matt):
     for size, counts in (((150, 170), False), ((31, 27), True)):
         pilot = pilot_of(stage_of(hand(matt, size), Plan(spectrum="16")))
