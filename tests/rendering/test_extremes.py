@@ -444,7 +444,7 @@ def test_a_mesh_without_any_area_is_refused(large):
             compute(on_mesh(large, line))
 
 
-@pytest.mark.parametrize("place", [0.0, 1e9])
+@pytest.mark.parametrize("place", [0.0, 1e9, -1e300])
 def test_vertices_that_nothing_uses_change_no_picture(large, place):
     whole = sphere(40, 3)
     points = np.concatenate([whole.points, [[place, 0, 0]]])
@@ -463,13 +463,6 @@ def test_vertices_that_are_no_numbers_are_refused(large, bad, used):
     else:
         points = np.concatenate([points, [[0, bad, 0]]])
     with pytest.raises(MeshError, match=r"is not finite .* remove such points"):
-        render(on_mesh(large, polydata(points, faces_of(whole))))
-
-
-def test_vertices_that_lie_beyond_all_units_are_refused(large):
-    whole = sphere(40, 3)
-    points = np.concatenate([whole.points, [[-1e300, 0, 0]]])
-    with pytest.raises(MeshError, match=r"more than 1e\+12 mm away .* is broken or"):
         render(on_mesh(large, polydata(points, faces_of(whole))))
 
 
