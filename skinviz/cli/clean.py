@@ -17,6 +17,7 @@ def clean(
     edge_length: float = 1.2,
     steps: Path | None = None,
     report: Path | None = None,
+    preview: Path | None = None,
     timeout: float = 600.0,
     memory: float = 0.0,
     json: bool = False,
@@ -46,6 +47,9 @@ def clean(
         TOML file with a table [[step]] for each step, instead of the usual ones.
     report
         JSON file for what was found and done.
+    preview
+        Picture (.png, .svg, .pdf) of back and palm before and after, with holes and
+        non-manifold edges marked.
     timeout
         Seconds after which a step of pymeshlab is stopped.
     memory
@@ -76,6 +80,11 @@ def clean(
     files = [write_mesh(out, mesh)]
     if report is not None:
         files.append(write_json(report, done.to_dict()))
+    if preview is not None:
+        from skinviz.view.figures import save_figure
+        from skinviz.view.scan_preview import scan_preview
+
+        files.append(save_figure(scan_preview(scan, mesh), preview))
     if json:
         say_json({**done.to_dict(), "files": [str(file) for file in files]})
     else:

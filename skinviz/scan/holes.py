@@ -13,6 +13,7 @@ from skinviz.scan.wrist import wrist_loop
 
 _FACING = 0.5  # cosine: two sides of a gap look at each other within 60 degrees
 _WAY_AROUND = 4.0  # times the gap: so far it is on the surface between two fingers
+_TOUCHING = 2.0  # mm: what is as near is no gap between fingers
 _FEW = 500  # points of a rim
 _MOST_TRIED = 24  # edges of a fill
 
@@ -123,11 +124,13 @@ def _joins_fingers(
     from scipy.sparse.csgraph import dijkstra
 
     edges, counts = topology.edge_counts(fill)
-    a, b = edges[counts == 2].T  # across the hole, not along its rim
-    if a.size == 0:
-        return False
-    across = points[b] - points[a]
+    edges = edges[counts == 2]  # across the hole, not along its rim
+    across = points[edges[:, 1]] - points[edges[:, 0]]
     gap = np.linalg.norm(across, axis=1)
+    wide = gap > _TOUCHING
+    if not wide.any():
+        return False
+    (a, b), across, gap = edges[wide].T, across[wide], gap[wide]
     facing = np.einsum("ij,ij->i", normals[a], across) > _FACING * gap
     facing &= np.einsum("ij,ij->i", normals[b], -across) > _FACING * gap
     # Those that face each other first, then the longest.
