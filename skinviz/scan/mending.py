@@ -102,14 +102,15 @@ def _remeshed(surface: Surface, edge_length: float, limits: Limits) -> Surface:
 def untangle(
     surface: Surface, limits: Limits, *, max_width: float
 ) -> tuple[Surface, Counts]:
-    """Cut out triangles that pass through others and close the holes anew."""
+    """Cut out triangles that cross others or share an edge with two, close anew."""
     from skinviz.scan.holes import close_holes
 
     crossing = crossing_faces(surface, limits)
-    found, removed, rounds = int(crossing.sum()), 0, 0
-    while crossing.any() and rounds < _ROUNDS:
+    bad = crossing | _beside_non_manifold(surface.faces)
+    found, tangled, removed, rounds = int(crossing.sum()), int(bad.sum()), 0, 0
+    while bad.any() and rounds < _ROUNDS:
         rounds += 1
-        faces = _without(surface.faces, crossing, rounds)
+        faces = _without(surface.faces, bad, rounds)
         removed += len(surface.faces) - len(faces)
         faces = topology.largest_piece(len(surface.points), faces)
         cut = Surface(*topology.compact(surface.points, faces))
@@ -117,8 +118,10 @@ def untangle(
         cut, _counts = drop_islands(cut, limits)
         surface, _counts = close_holes(cut, limits, max_width=max_width)
         crossing = crossing_faces(surface, limits)
+        bad = crossing | _beside_non_manifold(surface.faces)
     counts: Counts = {
         "crossing_faces": found,
+        "non_manifold_faces": tangled - found,
         "faces_removed": removed,
         "crossing_left": int(crossing.sum()),
     }
@@ -129,6 +132,15 @@ def crossing_faces(surface: Surface, limits: Limits) -> topology.FaceMask:
     """Return which faces (m,) pass through another one."""
     select = Filter("compute_selection_by_self_intersections_per_face", {})
     return run_filters(surface.points, surface.faces, [select], limits=limits).selected
+
+
+def _beside_non_manifold(faces: Faces) -> topology.FaceMask:
+    """Return which faces (m,) have an edge that more than two faces share."""
+    edges, counts = topology.edge_counts(faces)
+    base = int(faces.max(initial=0)) + 1
+    wrong = edges[counts > 2] @ (base, 1)
+    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ (base, 1)
+    return np.asarray(np.isin(sides, wrong).any(axis=1))
 
 
 def _without(faces: Faces, drop: topology.FaceMask, rings: int) -> Faces:

@@ -71,6 +71,20 @@ def test_a_spike_through_the_palm_is_cut_out():
     assert distance_to(toy_hand(), cut.points).max() < 1.0
 
 
+def test_a_fin_is_cut_out_and_the_surface_closed():
+    points, faces = topology.arrays(toy_hand())
+    back = np.argmin(np.linalg.norm(points[faces].mean(axis=1) - (0, 16, 100), axis=1))
+    fin = [*faces[back, :2], len(points)]
+    finned = Surface(
+        np.vstack([points, points[faces[back, 0]] + (0, 3, 0)]), np.vstack([faces, fin])
+    )
+    cut, counts = untangle(finned, NO_LIMITS, max_width=50.0)
+    assert counts["non_manifold_faces"] == 3
+    assert topology.n_non_manifold_edges(cut.faces) == 0
+    assert len(topology.boundary_loops(cut.faces)) == 1
+    assert distance_to(toy_hand(), cut.points).max() < 1e-6
+
+
 def test_untangling_a_plain_shape_changes_nothing():
     surface = surface_of(toy_hand())
     same, counts = untangle(surface, NO_LIMITS, max_width=50.0)
