@@ -27,6 +27,7 @@ from skinviz.rendering.tolerance import (
     colour_differences,
     is_lit,
     percentile_bound,
+    percentile_floor,
 )
 
 Array = NDArray[np.float64]
@@ -42,6 +43,7 @@ _SURELY_MANY = FEW + FEW // 2  # lit pixels by a count from weights, if not fewe
 
 _MOST_DRAWN = 16 * FILLED  # pixels that one ray each is cast for
 _AT_ONCE, _ALONE = 2**16, 2**13  # points of a thread, and too few for two of them
+_SOME = 8  # pixels of a pilot, one of which is looked at first
 _SEED = 20051  # of the draw: the same scene has the same pilot
 
 
@@ -59,6 +61,16 @@ class Sample:
 
     pixels: Whole
     hits: trace.Hits
+
+    def part(self, which: Whole) -> Sample:
+        """Return a sample of some of its pixels (k,), ascending."""
+        rank = np.full(self.pixels.size, -1)
+        rank[which] = np.arange(which.size)
+        pixel, ray = np.divmod(self.hits.rays, MOST_SAMPLES)
+        kept = np.flatnonzero(rank[pixel] >= 0)
+        rays = rank[pixel[kept]] * MOST_SAMPLES + ray[kept]
+        hits = dataclasses.replace(self.hits.part(kept), rays=rays)
+        return Sample(self.pixels[which], hits.apart(which.size * MOST_SAMPLES))
 
     def colours(self, painter: Painter) -> Array:
         """Return XYZ of every ray (k, 16, 3) as a painter's plan has it; 0 of none."""
@@ -140,6 +152,24 @@ class Pilot:
         if population < _SURELY_MANY and not self.complete:
             return np.inf
         return percentile_bound(differences, population)
+
+    @cached_property
+    def some(self) -> tuple[Whole, Sample]:
+        """A few of the filled pixels: which they are, and their rays."""
+        which = np.arange(0, self.filled.pixels.size, _SOME)
+        return which, self.filled.part(which)
+
+    def floor(self, xyz: Array, reference: Array) -> float:
+        """Return what :meth:`judge` of all filled pixels would be at least.
+
+        ``xyz`` are ``some`` of them, ``reference`` is all.
+        """
+        which = self.some[0]
+        lit = is_lit(xyz, reference[which])
+        differences = colour_differences(xyz[lit], reference[which][lit], self.white)
+        differences = np.repeat(differences, self.weights[which][lit])
+        n = int(self.weights.sum())
+        return percentile_floor(differences, n, self.population)
 
     def edge_difference(self, xyz: Array, reference: Array) -> float:
         """Return the 99th percentile of how edge pixels (k, 3) differ.

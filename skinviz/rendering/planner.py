@@ -151,7 +151,7 @@ class _Search:
         for level in sorted(levels, key=self._least):
             if self._least(level) > dearest - price:
                 break
-            difference = knob.measure(trial, level)  # type: ignore[misc]
+            difference = knob.measure(trial, level, allowed)  # type: ignore[misc]
             words = knob.told(self.stage.plan.replace(**level), self.work)
             if difference <= allowed and knob.share is None:
                 edge = trial.edge_difference(level)
@@ -215,7 +215,8 @@ class _Search:
             return Trial(trial.pilot, self.base, self.stage)
         alone = difference
         if trial.stage is not trial.base:
-            alone = knob.measure(trial.after(trial.base), level)  # type: ignore[misc]
+            before = trial.after(trial.base)
+            alone = knob.measure(before, level, float("inf"))  # type: ignore[misc]
         self.found[knob.name] = (alone, *refused)
         return trial.after(self.stage)
 

@@ -147,6 +147,17 @@ def percentile_bound(differences: Array, population: int) -> float:
     return float(np.partition(differences, n - 1 - spare)[n - 1 - spare])
 
 
+def percentile_floor(some: Array, n: int, population: int) -> float:
+    """Return what :func:`percentile_bound` of ``n`` pixels cannot be below.
+
+    It is known from some of them (m,) already: at least as many of all exceed it.
+    """
+    spare = _spare(n, max(n, population))
+    if spare < 0 or some.size <= spare:
+        return 0.0
+    return float(np.partition(some, some.size - 1 - spare)[some.size - 1 - spare])
+
+
 @lru_cache
 def _spare(n: int, population: int) -> int:
     """Return how many of ``n`` draws may exceed a value that is then a bound; or -1.

@@ -75,9 +75,17 @@ class Trial:
         own = self.pilot.edges.colours(painter).mean(axis=1)
         return self.pilot.edge_difference(own, self.edge_truth)
 
-    def difference(self, setting: Setting) -> float:
-        """Return a bound on what a setting changes in filled pixels. [ΔE00]"""
+    def difference(self, setting: Setting, allowed: float = np.inf) -> float:
+        """Return a bound on what a setting changes in filled pixels. [ΔE00]
+
+        Where some of the pixels show that it is more than allowed, it is not found
+        out how much more.
+        """
         painter = Painter(self.stage.replanned(**setting))
+        some = self.pilot.some[1].colours(painter).mean(axis=1)
+        floor = self.pilot.floor(some, self._true_means)
+        if floor > allowed:
+            return floor
         changed = self.pilot.filled.colours(painter)
         return self.pilot.judge(changed.mean(axis=1), self._true_means)
 

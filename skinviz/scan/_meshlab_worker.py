@@ -1,20 +1,38 @@
 """The worker process: the only place that imports pymeshlab.
 
-Run as a file, with the job's folder as its argument; imports nothing of skinviz
-so that it starts fast and can be killed at any moment.
+Run as a file; the job comes on standard input and the result leaves on standard
+output, so that nothing is left on disk however it ends. Imports nothing of
+skinviz, so that it starts fast and can be killed at any moment.
 """
 
+import ctypes
+import io
 import json
+import os
+import resource
+import signal
 import sys
-from pathlib import Path
 
-import numpy as np
-import pymeshlab
+_DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG
 
 
-def main(job: Path) -> None:
+def bound(memory: int) -> None:
+    """End with the process that started this one; take no more memory than told."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_DIE_WITH_PARENT, signal.SIGKILL)
+    if memory:
+        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def main() -> None:
     """Read the job's mesh, apply its filters, write the result."""
-    with np.load(job / "input.npz") as data:
+    import numpy as np
+    import pymeshlab
+
+    result = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # what filters print must not get into the result
+    with np.load(io.BytesIO(sys.stdin.buffer.read())) as data:
         arrays = {name: data[name] for name in data.files}
     options = {}
     if "normals" in arrays:
@@ -24,7 +42,7 @@ def main(job: Path) -> None:
     mesh = pymeshlab.Mesh(arrays["points"], arrays["faces"].astype(np.int32), **options)
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(mesh)
-    for step in json.loads((job / "filters.json").read_text(encoding="utf-8")):
+    for step in json.loads(arrays["filters"].tobytes()):
         parameters = {
             name: pymeshlab.PureValue(value["length"])
             if isinstance(value, dict)
@@ -33,12 +51,17 @@ def main(job: Path) -> None:
         }
         meshes.apply_filter(step["name"], **parameters)
     current = meshes.current_mesh()
+    whole = io.BytesIO()
     np.savez(
-        job / "output.npz",
+        whole,
         points=current.vertex_matrix(),
         faces=current.face_matrix(),
+        selected=current.face_selection_array(),
     )
+    result.write(whole.getvalue())
+    result.close()
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    bound(int(sys.argv[1]))
+    main()

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.scan import topology
-from skinviz.scan.meshlab import DEFAULT_TIMEOUT, Filter, run_filters
+from skinviz.scan.meshlab import NO_LIMITS, Filter, Limits, run_filters
 from skinviz.scan.topology import Faces, Points
 
 _BOXES = (1.1, 1.6, 2.2)  # sides of the octree in the points' extent, tried in turn
+
+_NEARLY_ALL = 0.99  # of a surface's faces: the rest are crumbs
 
 
 @dataclass(frozen=True)
@@ -23,13 +25,13 @@ class Merged:
     supported: NDArray[np.bool_]
 
 
-def merge(
+def merge_points(
     points: Points,
     normals: NDArray[np.float64],
     *,
     cell: float,
     support: float,
-    timeout: float = DEFAULT_TIMEOUT,
+    limits: Limits = NO_LIMITS,
 ) -> Merged:
     """Merge oriented points into one closed surface by screened Poisson.
 
@@ -42,8 +44,8 @@ def merge(
     support : float
         A surface point farther than this from every measured point is
         unsupported. [mm]
-    timeout : float
-        Time after which the worker is stopped. [s]
+    limits : Limits
+        What the worker may take.
 
     Returns
     -------
@@ -65,7 +67,7 @@ def merge(
             {"depth": depth, "scale": scale, "preclean": True},
         )
         result = run_filters(
-            points, no_faces, [poisson], normals=normals, timeout=timeout
+            points, no_faces, [poisson], normals=normals, limits=limits
         )
         # A cap that bulges out of the box is cut off by it: its edge is no wrist.
         if not topology.boundary_edges(result.faces).size:
@@ -84,3 +86,43 @@ def unsupported_regions(merged: Merged) -> list[NDArray[np.int64]]:
     area = topology.face_areas(merged.points, merged.faces[bare])
     order = np.argsort(-np.bincount(labels, area))
     return [bare[labels == label] for label in order]
+
+
+def cut_bridges(merged: Merged, largest: float) -> tuple[Merged, int]:
+    """Remove regions without evidence that join the surface to itself.
+
+    Two fingers that grew together are joined by a bridge that no point supports:
+    it has an outline at either end, and without it the hand is still in one piece.
+
+    Parameters
+    ----------
+    merged : Merged
+        A closed surface.
+    largest : float
+        Area of the smallest region that may be the wrist's cap, which stays. [mm²]
+
+    Returns
+    -------
+    merged : Merged
+        With two holes in place of each bridge.
+    n_bridges : int
+        How many were removed.
+    """
+    n, faces = len(merged.points), merged.faces
+    cut = np.zeros(len(faces), dtype=bool)
+    n_bridges = 0
+    for i, region in enumerate(unsupported_regions(merged)):
+        area = topology.face_areas(merged.points, faces[region]).sum()
+        if i == 0 and area >= largest:
+            continue
+        trial = cut.copy()
+        trial[region] = True
+        two_ends = len(topology.boundary_loops(faces[region])) > 1
+        if two_ends and _in_one_piece(n, faces[~trial]):
+            cut, n_bridges = trial, n_bridges + 1
+    return Merged(merged.points, faces[~cut], merged.supported), n_bridges
+
+
+def _in_one_piece(n_points: int, faces: Faces) -> bool:
+    """Return whether all faces but crumbs hang together."""
+    return len(topology.largest_piece(n_points, faces)) > _NEARLY_ALL * len(faces)

@@ -6,11 +6,11 @@ of ours. A crash, a time-out or an error comes back as a ``MeshError``.
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,11 +20,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._system import require_system_libraries
+from skinviz._validate import in_range
 from skinviz.errors import MeshError
 from skinviz.scan.topology import Faces, Points
 
 DEFAULT_TIMEOUT = 600.0
 """Time after which a worker is stopped. [s]"""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one worker may take.
+
+    Attributes
+    ----------
+    timeout : float
+        Time after which it is stopped. [s]
+    memory : float
+        Most memory that it may hold; 0 for no bound. [GiB]
+    """
+
+    timeout: float = DEFAULT_TIMEOUT
+    memory: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse what is no time or no amount of memory."""
+        in_range(self.timeout, 1e-3, 1e6, "timeout", "s")
+        in_range(self.memory, 0, 1e6, "memory", "GiB")
+
+
+_NO_MEMORY = ("bad_alloc", "memory", "bad allocation")
+
+NO_LIMITS = Limits()
+"""No bound of memory, and the usual time."""
 
 
 @dataclass(frozen=True)
@@ -45,10 +73,11 @@ class Filter:
 
 @dataclass(frozen=True)
 class FilterResult:
-    """The current mesh after the filters."""
+    """The current mesh after the filters, and which of its faces are selected."""
 
     points: Points
     faces: Faces
+    selected: NDArray[np.bool_]
 
 
 def run_filters(
@@ -58,7 +87,7 @@ def run_filters(
     *,
     normals: NDArray[np.float64] | None = None,
     face_scalars: NDArray[np.float64] | None = None,
-    timeout: float = DEFAULT_TIMEOUT,
+    limits: Limits = NO_LIMITS,
 ) -> FilterResult:
     """Run pymeshlab filters on one mesh in a worker process.
 
@@ -72,8 +101,8 @@ def run_filters(
         Point normals.
     face_scalars : (m,) ndarray, optional
         A number per face that filters can select by (``fq``).
-    timeout : float
-        Time after which the worker is stopped. [s]
+    limits : Limits
+        What the worker may take.
 
     Returns
     -------
@@ -83,53 +112,71 @@ def run_filters(
     Raises
     ------
     MeshError
-        If the worker fails, crashes or takes too long.
+        If the worker fails, crashes or takes too long or too much.
     SystemLibraryError
         If a system library that pymeshlab loads is missing.
     """
     require_system_libraries("pymeshlab")
     names = ", ".join(f.name for f in filters)
-    # The folder goes with the block, whatever happens to the worker.
-    with tempfile.TemporaryDirectory(prefix="skinviz-") as folder:
-        job = Path(folder)
-        inputs = {"points": points, "faces": faces}
-        if normals is not None:
-            inputs["normals"] = normals
-        if face_scalars is not None:
-            inputs["face_scalars"] = face_scalars
-        np.savez(job / "input.npz", **inputs)  # type: ignore[arg-type]
-        steps = [{"name": f.name, "parameters": f.parameters} for f in filters]
-        (job / "filters.json").write_text(json.dumps(steps), encoding="utf-8")
-        worker = Path(__file__).with_name("_meshlab_worker.py")
-        try:
-            done = subprocess.run(
-                [sys.executable, str(worker), str(job)],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE,
-                # Its threads would spin while they wait, which on shared cores
-                # costs several times the work.
-                env={"OMP_WAIT_POLICY": "passive", **os.environ},
-                timeout=timeout,
-                check=False,
-            )
-        except subprocess.TimeoutExpired as error:
-            raise MeshError(
-                f"pymeshlab ({names}) took longer than {timeout:g} s and was "
-                "stopped; give it a coarser edge length or more time"
-            ) from error
-        if done.returncode != 0 or not (job / "output.npz").exists():
-            raise MeshError(_failure(names, done.returncode, done.stderr))
-        with np.load(job / "output.npz") as result:
-            out_points = result["points"].astype(np.float64)
-            out_faces = result["faces"].astype(np.int64).reshape(-1, 3)
-    return FilterResult(out_points, out_faces)
+    steps = [{"name": f.name, "parameters": f.parameters} for f in filters]
+    job: dict[str, NDArray[Any]] = {
+        "points": points,
+        "faces": faces,
+        "filters": np.frombuffer(json.dumps(steps).encode(), dtype=np.uint8),
+    }
+    if normals is not None:
+        job["normals"] = normals
+    if face_scalars is not None:
+        job["face_scalars"] = face_scalars
+    with np.load(io.BytesIO(_worked(_packed(job), names, limits))) as result:
+        return FilterResult(
+            result["points"].astype(np.float64),
+            result["faces"].astype(np.int64).reshape(-1, 3),
+            result["selected"].astype(bool),
+        )
 
 
-def _failure(names: str, code: int, stderr: bytes) -> str:
+def _packed(arrays: dict[str, NDArray[Any]]) -> bytes:
+    """Return arrays as the bytes of an .npz file."""
+    whole = io.BytesIO()
+    np.savez(whole, **arrays)  # type: ignore[arg-type]
+    return whole.getvalue()
+
+
+def _worked(job: bytes, names: str, limits: Limits) -> bytes:
+    """Return what a worker answers to a job; it ends before this returns."""
+    worker = Path(__file__).with_name("_meshlab_worker.py")
+    most = int(limits.memory * 2**30)
+    try:
+        done = subprocess.run(
+            [sys.executable, str(worker), str(most)],
+            input=job,
+            capture_output=True,
+            # Its threads would spin while they wait, which on shared cores
+            # costs several times the work.
+            env={"OMP_WAIT_POLICY": "passive", **os.environ},
+            timeout=limits.timeout,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise MeshError(
+            f"pymeshlab ({names}) took longer than {limits.timeout:g} s and was "
+            "stopped; give it a coarser edge length or more time"
+        ) from error
+    if done.returncode != 0 or not done.stdout:
+        raise MeshError(_failure(names, done.returncode, done.stderr, limits))
+    return done.stdout
+
+
+def _failure(names: str, code: int, stderr: bytes, limits: Limits) -> str:
     """Return one line that says how the worker ended."""
     lines = stderr.decode(errors="replace").strip().splitlines()
     said = lines[-1] if lines else "nothing said"
+    if limits.memory and any(word in said.lower() for word in _NO_MEMORY):
+        return (
+            f"pymeshlab ({names}) needs more than the {limits.memory:g} GiB that it "
+            "may take; give it a coarser edge length or more memory"
+        )
     how = f"crashed with signal {-code}" if code < 0 else "failed"
     return (
         f"pymeshlab ({names}) {how}: {said}; the mesh is likely degenerate there: "

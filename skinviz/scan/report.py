@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import textwrap
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 Progress = Callable[[str], None]
+
+_WIDTH = 100  # letters
+_TOGETHER = "\N{NO-BREAK SPACE}"
+_UNITS = {"mm": "mm", "mm2": "mm²"}
 
 
 @dataclass(frozen=True)
@@ -53,15 +58,22 @@ class CleaningReport:
         raise KeyError(name)
 
     def __str__(self) -> str:
-        """Return the report as a table."""
+        """Return the report as a table: a row a step, wrapped at 100 letters."""
+        label = max((len(step.name) for step in self.steps), default=0)
         rows = []
         for step in self.steps:
-            counts = ", ".join(
-                f"{name.replace('_', ' ')} {_number(value)}"
-                for name, value in step.counts.items()
+            told = _told(step)
+            head = f"{step.name:<{label}}  {step.seconds:6.1f} s  "
+            lines = textwrap.wrap(
+                ", ".join(told),
+                _WIDTH,
+                initial_indent=head,
+                subsequent_indent=" " * len(head),
+                break_on_hyphens=False,
             )
-            rows.append(f"{step.name:<18}{step.seconds:6.1f} s  {counts}")
-        return "\n".join(rows)
+            rows += lines or [head.rstrip()]
+        # Blanks that must not be wrapped at were kept together until here.
+        return "\n".join(rows).replace(_TOGETHER, " ")
 
 
 @dataclass
@@ -89,6 +101,17 @@ class Recorder:
         """Stop the clock of a step and keep its counts."""
         seconds = time.perf_counter() - self._start
         self.steps.append(CleaningStep(name, round(seconds, 3), counts))
+
+
+def _told(step: CleaningStep) -> list[str]:
+    """Return a step's counts, each a word group with its unit after the number."""
+    told = []
+    for name, value in step.counts.items():
+        words = name.split("_")
+        unit = _UNITS.get(words[-1])
+        said = words[:-1] if unit else words
+        told.append(_TOGETHER.join([*said, _number(value), *([unit] if unit else [])]))
+    return told
 
 
 def _number(value: float) -> str:

@@ -5,6 +5,7 @@ Reading files belongs in ``scan.formats``, cleaning in ``scan.clean``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -98,6 +99,26 @@ def no_surface(cloud: PointCloud, source: str) -> MeshError:
         "them by; write the scan as range views (.conf, .ptx) or as a mesh in the "
         "scanner's program"
     )
+
+
+def joined(scans: Sequence[Scan]) -> Scan:
+    """Return the views of several scans as one; a single scan as it is.
+
+    Raises
+    ------
+    MeshError
+        If there is none, or one of several has no views.
+    """
+    if len(scans) == 1:
+        return scans[0]
+    bare = [scan.source for scan in scans if not scan.views]
+    if bare or not scans:
+        raise MeshError(
+            f"{bare[0] if bare else 'no file'}: only files of range views can be "
+            "cleaned together; give one mesh or one file of points at a time"
+        )
+    views = tuple(view for scan in scans for view in scan.views)
+    return Scan(views=views, source=", ".join(scan.source for scan in scans))
 
 
 def transform(

@@ -3,8 +3,9 @@
 The scanner sweeps a laser sheet across the object and watches it with a camera
 at the triangulation angle, so a point is measured only where both see it.
 Parallel rays stand for a scanner far from the hand. What it gets wrong, it gets
-wrong as real ones do: noise that grows with incidence, spikes at depth edges,
-missing grazing returns, stray outliers, quantised range, imperfect poses.
+wrong as real ones do: noise that grows with range and incidence, spikes at depth
+edges, missing grazing and dark returns, stray outliers, quantised range, imperfect
+poses.
 """
 
 from __future__ import annotations
@@ -15,66 +16,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinviz._validate import in_range, unit_vector
+from skinviz._validate import unit_vector
 from skinviz.errors import ArgumentError
-from skinviz.scan import topology
+from skinviz.scan.caster import Caster
 from skinviz.scan.checks import require_triangles
-from skinviz.scan.scan import RangeView, Scan
+from skinviz.scan.scan import RangeView, Scan, transform
+from skinviz.scan.scanner import Scanner
 
 if TYPE_CHECKING:
     import pyvista
 
+__all__ = ["Scanner", "directions_around", "simulate_scan"]
+
 _MOST_RAYS = 20_000_000  # a view of them takes about 2 GB
-
-
-@dataclass(frozen=True)
-class Scanner:
-    """How the simulated scanner samples and errs.
-
-    Attributes
-    ----------
-    pitch : float
-        Distance between neighbouring rays. [mm]
-    triangulation_angle : float
-        Angle between laser and camera. [rad]
-    noise : float
-        Standard deviation of range at normal incidence; grows as 1/cos. [mm]
-    resolution : float
-        Step to which range is rounded. [mm]
-    max_incidence : float
-        Returns beyond this angle from the normal are lost. [rad]
-    spike : float
-        Mean length of the spikes at depth edges. [mm]
-    spike_fraction : float
-        Share of the points beside a depth edge that spike.
-    outlier_fraction : float
-        Share of all points replaced by a stray range.
-    pose_shift : float
-        Standard deviation of each component of a pose's translation error. [mm]
-    pose_tilt : float
-        Standard deviation of each component of a pose's rotation error. [rad]
-    """
-
-    pitch: float = 0.8
-    triangulation_angle: float = np.deg2rad(20)
-    noise: float = 0.1
-    resolution: float = 0.01
-    max_incidence: float = np.deg2rad(75)
-    spike: float = 2.0
-    spike_fraction: float = 0.3
-    outlier_fraction: float = 0.001
-    pose_shift: float = 0.5
-    pose_tilt: float = np.deg2rad(0.3)
-
-    def __post_init__(self) -> None:
-        """Refuse what no scanner could be."""
-        in_range(self.pitch, 1e-3, 1e3, "pitch", "mm")
-        in_range(self.triangulation_angle, 0, np.pi / 3, "triangulation angle", "rad")
-        in_range(self.max_incidence, 0, np.pi / 2, "max incidence", "rad")
-        for name in ("noise", "resolution", "spike", "pose_shift", "pose_tilt"):
-            in_range(getattr(self, name), 0, 1e3, name)
-        for name in ("spike_fraction", "outlier_fraction"):
-            in_range(getattr(self, name), 0, 1, name)
 
 
 def directions_around(
@@ -123,7 +77,8 @@ def simulate_scan(
     Parameters
     ----------
     mesh : pyvista.PolyData
-        The true shape, triangles. [mm]
+        The true shape, triangles. [mm] Its point data ``albedo``, if it has any, say
+        how much of the laser's light each point sends back. [1]
     directions : (n, 3) array_like
         From the object towards the scanner, one per view.
     scanner : Scanner
@@ -138,49 +93,27 @@ def simulate_scan(
         first pose is exact, so the scan keeps the true shape's frame.
     """
     points, faces = require_triangles(mesh, "the true shape")
-    caster = _Caster(points, faces)
+    albedo = _albedo(mesh, len(points))
+    caster = Caster(points, faces)
     views = []
     for i, direction in enumerate(np.atleast_2d(np.asarray(directions))):
         frame = _sensor_frame(unit_vector(direction, "direction"), caster.origin)
-        points = _one_view(caster, frame, scanner, rng)
+        points, eye = _one_view(caster, frame, scanner, albedo, rng)
         believed = frame if i == 0 else _perturbed(frame, scanner, rng)
-        views.append(RangeView(f"view_{i:02d}", points, believed))
+        views.append(RangeView(f"view_{i:02d}", points, believed, eye))
     return Scan(views=tuple(views))
 
 
-class _Caster:
-    """Embree's nearest-hit and occlusion queries on one mesh, parallel rays."""
-
-    def __init__(self, vertices: NDArray[np.float64], faces: topology.Faces) -> None:
-        from embreex.mesh_construction import TriangleMesh
-        from embreex.rtcore_scene import EmbreeScene
-
-        # Near the origin float32 keeps a micrometre on a hand.
-        self.origin = vertices.mean(axis=0)
-        self.vertices = vertices - self.origin
-        self.faces = faces
-        self.radius = float(np.linalg.norm(self.vertices, axis=1).max())
-        self.scene = EmbreeScene()
-        TriangleMesh(
-            self.scene,
-            self.vertices.astype(np.float32),
-            np.ascontiguousarray(faces, dtype=np.int32),
+def _albedo(mesh: pyvista.PolyData, n_points: int) -> NDArray[np.float64]:
+    """Return how much laser light each point sends back, 1 where not said."""
+    if "albedo" not in mesh.point_data:
+        return np.ones(n_points)
+    albedo = np.asarray(mesh.point_data["albedo"], dtype=np.float64)
+    if albedo.shape != (n_points,) or not ((albedo >= 0) & (albedo <= 1)).all():
+        raise ArgumentError(
+            "the mesh's point data 'albedo' must be numbers from 0 to 1"
         )
-        vectors = topology.face_vectors(self.vertices, faces)
-        length = np.linalg.norm(vectors, axis=1, keepdims=True)
-        zero = np.zeros_like(vectors)
-        self.normals = np.divide(vectors, length, out=zero, where=length > 0)
-
-    def hits(
-        self, origins: NDArray[np.float64], direction: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.int_]]:
-        """Return distance (inf for none) and face index (-1) of nearest hits."""
-        start = np.ascontiguousarray(origins - self.origin, dtype=np.float32)
-        along = np.broadcast_to(direction.astype(np.float32), start.shape)
-        result = self.scene.run(start, np.ascontiguousarray(along), output=True)
-        face = result["primID"].astype(np.int_)
-        distance = np.where(face >= 0, result["tfar"], np.inf)
-        return distance.astype(np.float64), face
+    return albedo
 
 
 def _sensor_frame(
@@ -195,16 +128,28 @@ def _sensor_frame(
     return frame
 
 
-def _one_view(
-    caster: _Caster,
-    frame: NDArray[np.float64],
-    scanner: Scanner,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
-    """Return one view's grid of points (rows, columns, 3) in the sensor's frame."""
-    x_axis, _, towards = frame[:3, :3].T
-    local = (caster.vertices + caster.origin - frame[:3, 3]) @ frame[:3, :3]
-    low, high = local.min(axis=0) - scanner.pitch, local.max(axis=0) + scanner.pitch
+@dataclass(frozen=True)
+class _Rays:
+    """A view's rays in the sensor's frame: z towards it, the origin in the object."""
+
+    starts: NDArray[np.float64]  # (rows, columns, 3), where the range is 0
+    away: NDArray[np.float64]  # (rows, columns, 3), unit vectors
+    before: float  # how far before its start each one begins
+    eye: NDArray[np.float64] | None  # where they meet
+
+
+def _rays(caster: Caster, frame: NDArray[np.float64], scanner: Scanner) -> _Rays:
+    """Return the rays of a grid that covers the object."""
+    local = caster.vertices @ frame[:3, :3]
+    flat = local[:, :2]
+    if np.isfinite(scanner.distance):
+        if scanner.distance < 2 * caster.radius:
+            raise ArgumentError(
+                f"distance must be at least twice the object's radius of "
+                f"{caster.radius:.4g} mm; got {scanner.distance:g} mm"
+            )
+        flat = flat / (1 - local[:, 2:] / scanner.distance)
+    low, high = flat.min(axis=0) - scanner.pitch, flat.max(axis=0) + scanner.pitch
     columns = np.arange(low[0], high[0], scanner.pitch)
     rows = np.arange(low[1], high[1], scanner.pitch)
     if columns.size * rows.size > _MOST_RAYS:
@@ -212,42 +157,78 @@ def _one_view(
             f"a pitch of {scanner.pitch:g} mm takes {columns.size * rows.size:.1e} "
             f"rays a view; {_MOST_RAYS:.0e} at most"
         )
-    grid = np.stack(np.meshgrid(columns, rows), axis=-1)
-    top = 3 * caster.radius
-    start = np.concatenate([grid, np.full((*grid.shape[:2], 1), top)], axis=-1)
-    world = start.reshape(-1, 3) @ frame[:3, :3].T + frame[:3, 3]
-    distance, face = caster.hits(world, -towards)
+    grid = np.stack([*np.meshgrid(columns, rows), np.zeros((rows.size, columns.size))])
+    grid = np.moveaxis(grid, 0, -1)
+    if not np.isfinite(scanner.distance):
+        down = np.broadcast_to([0.0, 0.0, -1.0], grid.shape)
+        return _Rays(grid, down, 3 * caster.radius, None)
+    eye = np.array([0.0, 0.0, scanner.distance])
+    away = (grid - eye) / np.linalg.norm(grid - eye, axis=-1, keepdims=True)
+    return _Rays(np.broadcast_to(eye, grid.shape), away, 0.0, eye)
+
+
+def _one_view(
+    caster: Caster,
+    frame: NDArray[np.float64],
+    scanner: Scanner,
+    albedo: NDArray[np.float64],
+    rng: np.random.Generator,
+) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+    """Return one view's grid of points in the sensor's frame, and its eye."""
+    rays = _rays(caster, frame, scanner)
+    shape = rays.starts.shape[:2]
+    world = transform(frame, rays.starts.reshape(-1, 3))
+    away = rays.away.reshape(-1, 3) @ frame[:3, :3].T
+    distance, face = caster.hits(world - rays.before * away, away)
+    distance -= rays.before
     hit = face >= 0
-    cosine = np.where(hit, caster.normals[face] @ towards, 0.0)
+    cosine = np.where(hit, -np.einsum("ij,ij->i", caster.normals[face], away), 0.0)
     # A back face is the inside of the open wrist: a real arm would be there.
     hit &= cosine > np.cos(scanner.max_incidence)
-    camera = (
-        np.cos(scanner.triangulation_angle) * towards
-        + np.sin(scanner.triangulation_angle) * x_axis
+    ground = world + np.where(hit, distance, 0.0)[:, None] * away
+    far = (
+        distance / scanner.distance if rays.eye is not None else np.ones_like(distance)
     )
-    ground = world - np.where(hit, distance, 0.0)[:, None] * towards
+    weights = caster.weights(ground[hit], face[hit])
+    bright = np.einsum("ij,ij->i", weights, albedo[caster.faces[face[hit]]])
+    hit[hit] = bright * cosine[hit] >= scanner.min_return * far[hit] ** 2
+    hit[hit] = ~_hidden(caster, frame, scanner, ground[hit])
+    spread = np.where(hit, far**2 / np.where(hit, cosine, 1.0), 1.0)
+    height = np.where(hit, -distance, np.nan).reshape(shape)
+    height = _with_faults(height, spread.reshape(shape), scanner, rng)
+    points = rays.starts - height[..., None] * rays.away
+    return points, rays.eye
+
+
+def _hidden(
+    caster: Caster,
+    frame: NDArray[np.float64],
+    scanner: Scanner,
+    places: NDArray[np.float64],
+) -> NDArray[np.bool_]:
+    """Return which places the camera does not see."""
+    x_axis, _, towards = frame[:3, :3].T
+    if np.isfinite(scanner.distance):
+        camera = frame[:3, 3] + scanner.distance * towards + scanner.baseline * x_axis
+        seen_from = camera - places
+        seen_from /= np.linalg.norm(seen_from, axis=1, keepdims=True)
+    else:
+        angle = scanner.triangulation_angle
+        seen_from = np.cos(angle) * towards + np.sin(angle) * x_axis
     lift = 1e-4 * caster.radius
-    blocked, _ = caster.hits(ground[hit] + lift * camera, camera)
-    hit[np.flatnonzero(hit)[np.isfinite(blocked)]] = False
-    shape = grid.shape[:2]
-    height = np.where(hit, top - distance, np.nan).reshape(shape)
-    height = _with_faults(height, cosine.reshape(shape), scanner, rng)
-    return (
-        np.concatenate([grid, height[..., None]], axis=-1)
-        * np.where(np.isnan(height), np.nan, 1.0)[..., None]
-    )
+    blocked, _ = caster.hits(places + lift * seen_from, seen_from)
+    return np.isfinite(blocked)
 
 
 def _with_faults(
     height: NDArray[np.float64],
-    cosine: NDArray[np.float64],
+    spread: NDArray[np.float64],
     scanner: Scanner,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
     """Return range with noise, depth-edge spikes, outliers and quantisation."""
     got = np.isfinite(height)
-    sigma = scanner.noise / np.where(got, cosine, 1.0)
-    noisy = height + sigma * rng.standard_normal(height.shape)
+    noisy = height + scanner.noise * spread * rng.standard_normal(height.shape)
     edge = got & _beside_depth_edge(height, 5 * scanner.pitch)
     spiking = edge & (rng.random(height.shape) < scanner.spike_fraction)
     # Half a laser spot beyond the edge reads nearer or farther than the surface.

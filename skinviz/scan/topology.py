@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.float64]
 Faces = NDArray[np.int64]
+FaceMask = NDArray[np.bool_]
 
 
 def arrays(mesh: pyvista.PolyData) -> tuple[Points, Faces]:
@@ -44,6 +45,12 @@ def edge_counts(faces: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     base = int(edges.max()) + 1
     keys, counts = np.unique(edges[:, 0] * base + edges[:, 1], return_counts=True)
     return np.stack(np.divmod(keys, base), axis=1), counts
+
+
+def edge_lengths(points: Points, faces: Faces) -> NDArray[np.float64]:
+    """Return the length of each undirected edge, in the order of ``edge_counts``."""
+    edges, _ = edge_counts(faces)
+    return np.asarray(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1))
 
 
 def boundary_edges(faces: Faces) -> NDArray[np.int64]:

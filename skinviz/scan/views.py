@@ -1,7 +1,7 @@
 """From one range view to a trustworthy patch of triangles.
 
-Neighbouring grid cells are joined unless the triangle is seen at a grazing
-angle: that is how a bridge over a depth jump looks from the scanner.
+Neighbouring grid cells are joined unless the triangle is seen at a grazing angle
+or is too long: that is how a bridge over a depth jump looks from the scanner.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ def triangulate(
     points: NDArray[np.float64],
     max_incidence: float,
     eye: NDArray[np.float64] | None = None,
+    max_stretch: float = np.inf,
 ) -> tuple[Points, Faces, int]:
     """Join neighbouring returns of a grid into triangles, without bridges.
 
@@ -53,7 +54,7 @@ def triangulate(
     points, faces : (n, 3), (m, 3) ndarray
         The returns and the triangles that face the sensor.
     n_bridges : int
-        Triangles dropped as too grazing.
+        Triangles dropped as too grazing or too long.
     """
     valid = np.isfinite(points).all(axis=-1)
     index = np.full(valid.shape, -1, dtype=np.int64)
@@ -77,8 +78,24 @@ def triangulate(
     if towards.sum() < 0:  # grids may run either way round
         faces, towards = faces[:, ::-1], -towards
     length = np.linalg.norm(normals, axis=1)
-    facing = towards > np.cos(max_incidence) * length
-    return flat, faces[facing], int((~facing).sum())
+    good = towards > np.cos(max_incidence) * length
+    good &= _longest(flat, faces) <= max_stretch * _step(points)
+    return flat, faces[good], int((~good).sum())
+
+
+def _longest(points: Points, faces: Faces) -> NDArray[np.float64]:
+    """Return the longest edge of each face. [mm]"""
+    corners = points[faces]
+    edges = corners - np.roll(corners, 1, axis=1)
+    return np.asarray(np.sqrt(np.einsum("ijk,ijk->ij", edges, edges).max(axis=1)))
+
+
+def _step(points: NDArray[np.float64]) -> float:
+    """Return the median distance of neighbours along a grid; inf if there are none."""
+    steps = [np.linalg.norm(np.diff(points, axis=k), axis=-1).ravel() for k in (0, 1)]
+    both = np.concatenate(steps)
+    both = both[np.isfinite(both)]
+    return float(np.median(both)) if both.size else np.inf
 
 
 def _towards(
@@ -111,6 +128,7 @@ def make_patch(
     view: RangeView,
     *,
     max_incidence: float = np.deg2rad(75),
+    max_stretch: float = np.inf,
     min_island: int = 200,
     rim_rings: int = 1,
 ) -> tuple[Patch, Faces, PatchCounts]:
@@ -122,6 +140,8 @@ def make_patch(
         The grid.
     max_incidence : float
         Angle beyond which a triangle counts as a bridge. [rad]
+    max_stretch : float
+        Triangles with a longer edge, in median steps of the grid, are bridges too.
     min_island : int
         Pieces of fewer triangles are outliers.
     rim_rings : int
@@ -141,7 +161,9 @@ def make_patch(
     MeshError
         If nothing is left.
     """
-    points, all_faces, bridges = triangulate(view.points, max_incidence, view.eye)
+    points, all_faces, bridges = triangulate(
+        view.points, max_incidence, view.eye, max_stretch
+    )
     kept = drop_islands(len(points), all_faces, min_island)
     inner = drop_islands(len(points), erode_rim(kept, rim_rings), min_island)
     if len(inner) == 0:

@@ -444,7 +444,7 @@ def test_a_mesh_without_any_area_is_refused(large):
             compute(on_mesh(large, line))
 
 
-@pytest.mark.parametrize("place", [0.0, 1e9])
+@pytest.mark.parametrize("place", [0.0, 1e9, -1e300])
 def test_vertices_that_nothing_uses_change_no_picture(large, place):
     whole = sphere(40, 3)
     points = np.concatenate([whole.points, [[place, 0, 0]]])

@@ -22,9 +22,9 @@ from meshes import (
 from skinviz import hand_frame
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan import topology
-from skinviz.scan.clean import STEPS, clean_scan
+from skinviz.scan.clean import MESH_STEPS, POINT_STEPS, STEPS, Step, clean_scan
 from skinviz.scan.report import CleaningReport, CleaningStep
-from skinviz.scan.scan import RangeView, Scan, transform
+from skinviz.scan.scan import PointCloud, RangeView, Scan, transform
 from skinviz.scan.simulate import Scanner, directions_around, simulate_scan
 from skinviz.scan.topology import polydata
 
@@ -156,6 +156,7 @@ def test_every_step_is_reported_in_order_with_what_it_counted(cleaned):
     assert report["close holes"]["holes_left"] == 0
     check = report["check"]
     assert (check["non_manifold_edges"], check["components"]) == (0, 1)
+    assert check["crossing_faces"] == 0
     assert check["boundaries"] == 1
     points, faces = topology.arrays(cleaned.mesh)
     assert report["remesh"]["points"] == len(points)
@@ -206,7 +207,7 @@ def test_a_report_prints_as_a_table_of_its_steps():
     lines = str(report).splitlines()
     assert len(lines) == 2
     assert lines[0].split() == [
-        *("align", "2.0", "s", "iterations", "7,", "residual", "mm", "0.1013"),
+        *("align", "2.0", "s", "iterations", "7,", "residual", "0.1013", "mm"),
     ]
     assert lines[1].startswith("check ")
     assert lines[0].index(" s  ") == lines[1].index(" s  ")
@@ -251,15 +252,15 @@ def test_a_mesh_starts_at_repair():
     begun = []
     _, report = cleaned_mesh(toy_hand(), progress=begun.append)
     assert tuple(step.name for step in report.steps) == tuple(begun)
-    assert tuple(begun) == STEPS[STEPS.index("repair") :]
+    assert tuple(begun) == MESH_STEPS
 
 
 def test_an_island_is_dropped_and_counted():
     island = sphere(6, 2, centre=(90, 0, 90))
     mesh, report = cleaned_mesh(joined(island, toy_hand()))
     check_clean(mesh)
-    assert report["repair"]["islands"] == 1
-    assert report["repair"]["island_faces"] == island.n_cells
+    assert report["drop islands"]["islands"] == 1
+    assert report["drop islands"]["island_faces"] == island.n_cells
     assert np.asarray(mesh.points)[:, 0].max() < 80
 
 
@@ -291,7 +292,7 @@ def test_a_soup_of_triangles_is_sewn_together():
     soup = polydata(points[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3))
     mesh, report = cleaned_mesh(soup)
     check_clean(mesh)
-    assert report["repair"]["islands"] == 0
+    assert report["drop islands"]["islands"] == 0
 
 
 def test_fins_and_repeated_faces_are_removed():
@@ -307,14 +308,21 @@ def test_fins_and_repeated_faces_are_removed():
     assert quantiles(distance_to(toy_hand(), mesh.points))[3] < 2
 
 
-def test_cleaning_a_clean_mesh_changes_little():
-    once, _ = cleaned_mesh(toy_hand())
+def test_cleaning_a_clean_mesh_moves_nothing():
+    once, _ = cleaned_mesh(with_hole(toy_hand(), (0, 16, 90), 9))
     twice, report = cleaned_mesh(once)
     check_clean(twice)
-    assert report["close holes"]["holes"] == report["repair"]["islands"] == 0
-    assert report["repair"]["faces_removed"] == 0
-    assert quantiles(distance_to(once, twice.points))[0] < 0.1
-    assert twice.n_points == pytest.approx(once.n_points, rel=0.1)
+    assert report["remesh"]["as_asked_already"] == 1
+    np.testing.assert_array_equal(twice.points, once.points)
+    np.testing.assert_array_equal(twice.regular_faces, once.regular_faces)
+
+
+def test_a_clean_mesh_is_remeshed_to_another_edge_length():
+    once, _ = cleaned_mesh(toy_hand())
+    finer, report = clean_scan(Scan(mesh=once), edge_length=0.6 * COARSE)
+    assert report["remesh"]["as_asked_already"] == 0
+    assert report["remesh"]["mean_edge_mm"] == pytest.approx(0.6 * COARSE, rel=0.1)
+    check_clean(finer)
 
 
 def test_a_mesh_of_squares_is_cleaned_as_triangles():
@@ -329,6 +337,94 @@ def test_a_tube_keeps_one_end_open():
     mesh, report = cleaned_mesh(tube(20, 160))
     check_clean(mesh)
     assert report["close holes"]["holes"] == 1
+
+
+# Steps that are said ----------------------------------------------------------
+
+
+def test_steps_are_done_in_the_order_that_is_said():
+    said = ("drop islands", "repair", Step("remesh", {"edge_length": 8.0}), "check")
+    mesh, report = cleaned_mesh(toy_hand(), steps=said)
+    names = tuple(step.name for step in report.steps)
+    assert names == ("drop islands", "repair", "remesh", "check")
+    assert report["remesh"]["mean_edge_mm"] == pytest.approx(8, rel=0.15)
+    check_clean(mesh)
+
+
+def test_the_wrist_is_capped_where_that_is_asked_for():
+    cap = Step("close holes", {"cap_wrist": True, "max_width": 1000.0})
+    mesh, report = cleaned_mesh(toy_hand(), steps=("repair", cap, "remesh", "check"))
+    check_clean(mesh, n_boundaries=0)
+    assert report["close holes"]["holes"] == 1
+    assert report["close holes"]["holes_left"] == 0
+
+
+def test_a_hole_wider_than_is_said_stays_open():
+    holed = with_hole(toy_hand(), (0, 16, 90), 9)
+    steps = ("repair", Step("close holes", {"max_width": 12.0}))
+    mesh, report = cleaned_mesh(holed, steps=steps)
+    assert report["close holes"]["holes"] == report["close holes"]["holes_left"] == 1
+    assert len(topology.boundary_loops(topology.arrays(mesh)[1])) == 2
+    with pytest.raises(MeshError, match="2 boundaries"):
+        cleaned_mesh(holed, steps=(*steps, "check"))
+
+
+def test_a_mesh_without_a_check_is_still_turned_outwards():
+    points, faces = topology.arrays(toy_hand())
+    mesh, _ = cleaned_mesh(polydata(points, faces[:, ::-1]), steps=("drop islands",))
+    check_clean(mesh)
+
+
+@pytest.mark.parametrize(
+    ("steps", "told"),
+    [
+        (("repare",), "did you mean 'repair'"),
+        (("merge", "check"), "step 'merge' needs points at that place"),
+        (("repair", "open wrist"), "needs merged at that place; put 'merge' before"),
+        (("triangulate",), "needs views at that place; which this scan has not"),
+    ],
+)
+def test_steps_that_cannot_follow_on_each_other_are_refused(steps, told):
+    with pytest.raises(ArgumentError, match=told):
+        cleaned_mesh(toy_hand(), steps=steps)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "told"),
+    [
+        ({"edge_lenght": 2.0}, "did you mean 'edge_length'"),
+        ({"edge_length": 0.0}, r"edge_length of step 'remesh' must be"),
+        ({"edge_length": "2 mm"}, "must be a number"),
+    ],
+)
+def test_an_impossible_parameter_of_a_step_is_refused_by_name(parameters, told):
+    with pytest.raises(ArgumentError, match=told):
+        Step("remesh", parameters)
+
+
+# Points with normals ----------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_oriented_points_are_merged_and_strays_among_them_dropped():
+    whole, _ = clean_scan(Scan(mesh=toy_hand()), edge_length=1.5)
+    points, normals = np.asarray(whole.points), np.asarray(whole.point_data["Normals"])
+    strays = np.random.default_rng(4).uniform((-60, 40, 20), (-30, 60, 160), (40, 3))
+    cloud = PointCloud(
+        np.concatenate([points, strays]),
+        np.concatenate([normals, np.tile([0.0, 1.0, 0.0], (40, 1))]),
+    )
+    mesh, report = clean_scan(Scan(cloud=cloud), edge_length=3.0)
+    assert tuple(step.name for step in report.steps) == POINT_STEPS
+    assert report["drop outliers"]["outliers"] >= 40
+    check_clean(mesh)
+    assert quantiles(distance_to(toy_hand(), mesh.points))[0] < 0.3
+
+
+def test_points_without_normals_are_refused():
+    cloud = PointCloud(np.asarray(toy_hand().points))
+    with pytest.raises(MeshError, match="no faces and no grid"):
+        clean_scan(Scan(cloud=cloud))
 
 
 # Refusals ---------------------------------------------------------------------

@@ -7,7 +7,8 @@ from tolerances import ROUNDING
 from meshes import distance_to, sphere
 from skinviz.errors import MeshError
 from skinviz.scan import topology
-from skinviz.scan.merge import Merged, merge, unsupported_regions
+from skinviz.scan.merge import Merged, cut_bridges, merge_points, unsupported_regions
+from skinviz.scan.meshlab import Limits
 from skinviz.scan.wrist import cut_wrist
 
 RADIUS, CELL, SUPPORT = 40.0, 2.5, 5.0
@@ -22,7 +23,7 @@ def merged_sphere(gap):
     """A sphere merged from points and normals, its cap above ``gap`` missing."""
     points = np.asarray(sphere(RADIUS, 5).points)
     points = points[points @ TOP < gap]
-    return merge(points, points / RADIUS, cell=CELL, support=SUPPORT), points
+    return merge_points(points, points / RADIUS, cell=CELL, support=SUPPORT), points
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +69,42 @@ def test_the_unmeasured_cap_is_the_one_region_without_evidence(open_sphere):
     assert 0.8 * np.pi * (width - SUPPORT) ** 2 < area < 1.1 * np.pi * width**2
 
 
+def dumbbell(bridged):
+    """A torus of one piece: its ring is a hand whose two ends a weld joins."""
+    import pyvista as pv
+
+    shape = pv.ParametricTorus(ringradius=30, crosssectionradius=8).triangulate()
+    points, faces = topology.arrays(shape.clean())
+    angle = np.arctan2(points[:, 1], points[:, 0])
+    return Merged(points, faces, np.abs(angle) > bridged)
+
+
+def test_a_bridge_without_evidence_is_cut_and_leaves_two_holes():
+    merged = dumbbell(0.5)
+    cut, n = cut_bridges(merged, largest=1e9)
+    assert n == 1
+    assert len(topology.boundary_loops(cut.faces)) == 2
+    assert unsupported_regions(cut) == []
+    np.testing.assert_array_equal(cut.points, merged.points)
+
+
+def test_what_may_be_the_wrist_is_not_cut_as_a_bridge():
+    merged = dumbbell(0.5)
+    cut, n = cut_bridges(merged, largest=10.0)
+    assert n == 0
+    np.testing.assert_array_equal(cut.faces, merged.faces)
+
+
+def test_a_ring_without_evidence_around_a_finger_is_no_bridge():
+    # Cutting it would lose the fingertip.
+    points, faces = topology.arrays(sphere(RADIUS, 4))
+    merged = Merged(points, faces, (np.abs(points[:, 2] - 10) > 5))
+    assert len(topology.boundary_loops(faces[unsupported_regions(merged)[0]])) == 2
+    cut, n = cut_bridges(merged, largest=1e9)
+    assert n == 0
+    np.testing.assert_array_equal(cut.faces, faces)
+
+
 def test_regions_come_largest_first_and_every_bare_face_has_one():
     points, faces = topology.arrays(sphere(RADIUS, 3))
     supported = (np.abs(points[:, 2]) < 30) | (points[:, 2] < -36)
@@ -88,14 +125,15 @@ def test_a_piece_apart_is_left_out():
     normals = np.concatenate(
         [sphere(RADIUS, 4).points / RADIUS, sphere(8.0, 3).points / 8.0]
     )
-    merged = merge(points, normals, cell=CELL, support=SUPPORT)
+    merged = merge_points(points, normals, cell=CELL, support=SUPPORT)
     assert merged.points[merged.faces].reshape(-1, 3)[:, 0].max() < RADIUS + 1
 
 
 def test_a_finer_cell_gives_a_finer_surface():
     points = np.asarray(sphere(RADIUS, 5).points)
     coarse, fine = (
-        merge(points, points / RADIUS, cell=cell, support=SUPPORT) for cell in (3, 1.5)
+        merge_points(points, points / RADIUS, cell=cell, support=SUPPORT)
+        for cell in (3, 1.5)
     )
     assert len(fine.faces) > 2.5 * len(coarse.faces)
 
@@ -103,7 +141,9 @@ def test_a_finer_cell_gives_a_finer_surface():
 def test_merging_that_takes_too_long_is_stopped():
     points = np.asarray(sphere(RADIUS, 4).points)
     with pytest.raises(MeshError, match=r"poisson.*longer than"):
-        merge(points, points / RADIUS, cell=1.0, support=2.0, timeout=0.01)
+        merge_points(
+            points, points / RADIUS, cell=1.0, support=2.0, limits=Limits(timeout=0.01)
+        )
 
 
 def test_the_wrist_is_cut_plane_behind_the_cap(open_sphere):

@@ -1,19 +1,23 @@
 """Whatever becomes of the worker process, it comes back as one clear error."""
 
 import os
+import signal
+import subprocess
 import sys
 import tempfile
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from meshes import sphere
-from skinviz.errors import MeshError, SystemLibraryError
+from skinviz.errors import ArgumentError, MeshError, SystemLibraryError
 from skinviz.scan import meshlab, topology
-from skinviz.scan.meshlab import Filter, run_filters
+from skinviz.scan.meshlab import Filter, Limits, run_filters
 
 POINTS, FACES = topology.arrays(sphere(subdivisions=2))
+WORKER = "_meshlab_worker.py"
 NOTHING = Filter("meshing_remove_null_faces", {})
 
 
@@ -96,11 +100,85 @@ def test_a_time_out_stops_the_worker_and_leaves_no_folder(scratch, worker, tmp_p
     worker(f"echo $$ > {tmp_path}/pid\nexec sleep 60")
     start = time.monotonic()
     with pytest.raises(MeshError, match=r"took longer than 0\.5 s and was stopped"):
-        run_filters(POINTS, FACES, [NOTHING], timeout=0.5)
+        run_filters(POINTS, FACES, [NOTHING], limits=Limits(timeout=0.5))
     assert time.monotonic() - start < 10
     assert list(scratch.iterdir()) == []
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
+
+
+def test_more_memory_than_is_allowed_is_told(scratch):
+    with pytest.raises(MeshError, match=r"needs more than the 0\.05 GiB"):
+        run_filters(POINTS, FACES, [NOTHING], limits=Limits(memory=0.05))
+    assert list(scratch.iterdir()) == []
+
+
+def test_enough_memory_changes_nothing():
+    result = run_filters(POINTS, FACES, [NOTHING], limits=Limits(memory=2.0))
+    np.testing.assert_array_equal(result.points, POINTS)
+
+
+@pytest.mark.parametrize("values", [{"timeout": 0}, {"memory": -1}, {"memory": np.nan}])
+def test_impossible_limits_are_refused(values):
+    with pytest.raises(ArgumentError, match=next(iter(values))):
+        Limits(**values)
+
+
+def test_the_faces_that_a_filter_selects_come_back():
+    marked = POINTS[FACES].mean(axis=1)[:, 2] > 0
+    select = Filter("compute_selection_by_condition_per_face", {"condselect": "fq > 0"})
+    result = run_filters(POINTS, FACES, [select], face_scalars=marked.astype(float))
+    np.testing.assert_array_equal(result.selected, marked)
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_an_ended_parent_takes_its_worker_along(tmp_path, how):
+    # The worker, replaced by one that says who it is and waits, must not survive.
+    program = tmp_path / "worker.py"
+    program.write_text(
+        "import runpy, os, pathlib, time\n"
+        f"own = runpy.run_path({str(Path(meshlab.__file__).with_name(WORKER))!r})\n"
+        "own['bound'](0)\n"
+        f"pathlib.Path({str(tmp_path / 'pid')!r}).write_text(str(os.getpid()))\n"
+        "time.sleep(60)\n"
+    )
+    script = (
+        "import numpy as np, pathlib\n"
+        "from skinviz.scan import meshlab\n"
+        "class Other(type(pathlib.Path())):\n"
+        f"    def with_name(self, name): return pathlib.Path({str(program)!r})\n"
+        "meshlab.Path = Other\n"
+        "meshlab.run_filters(np.zeros((3, 3)), np.array([[0, 1, 2]]), [])\n"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script], stderr=subprocess.DEVNULL)
+    try:
+        pid = int(_soon((tmp_path / "pid").read_text))
+        parent.send_signal(how)
+        parent.wait(20)
+    finally:
+        parent.kill()
+    _soon(lambda: _require_gone(pid))
+
+
+def _require_gone(pid):
+    """Fail while a process is there and is no zombie."""
+    stat = Path(f"/proc/{pid}/stat")
+    if stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z":
+        raise ValueError(pid)
+    return "gone"
+
+
+def _soon(attempt):
+    """Return what an attempt gives once it succeeds, within 20 seconds."""
+    end = time.monotonic() + 20
+    while True:
+        try:
+            if told := attempt():
+                return told
+        except (OSError, ValueError):
+            pass
+        assert time.monotonic() < end
+        time.sleep(0.05)
 
 
 @pytest.mark.parametrize(("name", "number"), [("SEGV", 11), ("ABRT", 6), ("KILL", 9)])

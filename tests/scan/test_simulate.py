@@ -147,6 +147,107 @@ def test_returns_end_at_the_largest_incidence(limit):
     assert incidence.max() < limit + 1.5
 
 
+def test_rays_from_a_point_reach_a_sphere_where_geometry_says():
+    distance, radius = 300.0, 40.0
+    # Fine enough that its faces lie within 6 µm of the sphere.
+    shape = sphere(radius, 6)
+    scanner = changed(pitch=1.5, distance=distance, triangulation_angle=0.0)
+    view = scanned(shape, UP, scanner).views[0]
+    np.testing.assert_array_equal(view.eye, [0, 0, distance])
+    points = view.points[view.valid]
+    # A ray's direction follows from its cell: the grid is even where z is 0.
+    away = (points - view.eye) / np.linalg.norm(points - view.eye, axis=1)[:, None]
+    cross = (view.eye + away * (-distance / away[:, 2:])) / scanner.pitch
+    step = cross[:, :2] - cross[0, :2]
+    np.testing.assert_allclose(step, np.round(step), atol=1e-4)
+    # The nearer root of |eye + t·away| = radius.
+    along = -away[:, 2] * distance
+    t = along - np.sqrt(along**2 - distance**2 + radius**2)
+    expected = view.eye + t[:, None] * away
+    incidence = np.einsum("ij,ij->i", -away, expected) / radius
+    inner = incidence > 0.5
+    assert inner.sum() > 1000
+    np.testing.assert_allclose(points[inner], expected[inner], atol=0.02)
+
+
+@pytest.mark.parametrize("angle", [15, 30])
+def test_a_shadow_from_a_baseline_is_as_wide_as_similar_triangles_say(angle):
+    # A wall of height h at x = 0 hides floor from a camera at x = ±b and height D.
+    height, distance = 20.0, 400.0
+    wall = polydata(
+        np.array([[0.0, -30, 0], [0, 30, 0], [0, 30, height], [0, -30, height]]),
+        np.array([[0, 1, 2], [0, 2, 3], [0, 2, 1], [0, 3, 2]]),
+    )
+    turn = pose((0, 0, np.pi / 2))  # across the sensor's x
+    mesh = moved(joined(plane(41, 160.0), wall), turn)
+    scanner = changed(
+        pitch=0.5, distance=distance, triangulation_angle=np.deg2rad(angle)
+    )
+    view = scanned(mesh, UP, scanner).views[0]
+    origin = np.asarray(mesh.points).mean(axis=0)
+    rise = distance + origin[2]  # of laser and camera above the floor
+    camera = view.pose[:3, 3] + view.pose[:3, :3] @ [scanner.baseline, 0, distance]
+    assert scanner.baseline == pytest.approx(distance * np.tan(np.deg2rad(angle)))
+    camera = transform(np.linalg.inv(turn), camera)
+    assert abs(camera[0]) == pytest.approx(scanner.baseline)
+    points = transform(np.linalg.inv(turn), world_points(view))
+    floor = points[(np.abs(points[:, 2]) < 0.01) & (np.abs(points[:, 1]) < 25)]
+    behind = -np.sign(camera[0]) * floor[:, 0]
+    shadow = height * abs(camera[0]) / (rise - height)
+    seen = behind[behind > 0.5]
+    assert seen.min() == pytest.approx(shadow, abs=1.0)
+
+
+def test_noise_grows_with_the_square_of_the_range():
+    noise, distance = 0.05, 300.0
+    low = moved(plane(5, 60.0), pose(shift=(0, 0, -60.0)))
+    mesh = joined(plane(5, 20.0), low)
+    options = {"pitch": 0.25, "distance": distance, "triangulation_angle": 0.0}
+    clean = scanned(mesh, UP, changed(**options)).views[0]
+    noisy = scanned(mesh, UP, changed(**options, noise=noise), seed=5).views[0]
+    error = np.linalg.norm(noisy.points - clean.points, axis=-1)
+    reach = np.linalg.norm(clean.points - clean.eye, axis=-1)
+    cosine = (clean.eye - clean.points)[..., 2] / reach
+    middle = np.asarray(mesh.points)[:, 2].mean()
+    variances = []
+    for z in (0.0, -60.0):
+        at = np.abs(clean.points[..., 2] + middle - z) < 1
+        scaled = error[at] * cosine[at] / (noise * (reach[at] / distance) ** 2)
+        total = (scaled**2).sum()
+        spread = stats.chi2(at.sum())
+        assert at.sum() > 1000
+        assert spread.ppf(5e-4) < total < spread.isf(5e-4)
+        variances.append((error[at] ** 2).mean())
+    assert variances[1] > 1.5 * variances[0]
+
+
+def test_dark_and_slanted_returns_below_the_threshold_are_lost():
+    shape = sphere(40, 5)
+    dark = np.asarray(shape.points)[:, 0] < 0
+    shape.point_data["albedo"] = np.where(dark, 0.2, 0.8)
+    scanner = changed(pitch=0.5, triangulation_angle=0.0, min_return=0.4)
+    view = scanned(shape, UP, scanner).views[0]
+    x, y, _ = world_points(view).T
+    assert x.min() > -2.0  # one face's width: albedo is interpolated over it
+    # 0.8 cos θ = 0.4 at 60 degrees.
+    assert np.hypot(x, y).max() == pytest.approx(40 * np.sin(np.pi / 3), abs=1.0)
+    white = scanned(sphere(40, 5), UP, scanner).views[0]
+    assert white.valid.sum() > 2 * view.valid.sum()
+
+
+@pytest.mark.parametrize("albedo", [-0.1, 1.1, np.nan])
+def test_an_impossible_albedo_is_refused(albedo):
+    shape = sphere(40, 2)
+    shape.point_data["albedo"] = np.full(shape.n_points, albedo)
+    with pytest.raises(ArgumentError, match="albedo"):
+        scanned(shape)
+
+
+def test_a_scanner_inside_its_object_is_refused():
+    with pytest.raises(ArgumentError, match="twice the object's radius"):
+        scanned(sphere(40, 2), UP, changed(distance=79.0))
+
+
 def test_noise_grows_as_one_over_the_cosine():
     noise = 0.05
     shape = sphere(40, 5)
@@ -276,6 +377,9 @@ def test_impossible_rings_of_directions_are_refused(n, axis, start):
         ("triangulation_angle", 1.2),
         ("max_incidence", 1.7),
         ("noise", -1),
+        ("distance", 0),
+        ("distance", np.nan),
+        ("min_return", 1.5),
         ("resolution", -1e-3),
         ("spike", np.inf),
         ("spike_fraction", 1.5),

@@ -32,7 +32,7 @@ KNOB = Knob(
     _cost,
     lambda plan, _: f"{plan.arithmetic} precision",
     lambda plan: "" if plan.arithmetic == "double" else "29 bits of each tint",
-    lambda trial, setting: trial.body_difference(setting),
+    lambda trial, setting, _: trial.body_difference(setting),
     share=0.3,
     group="body",
     price=body_price,

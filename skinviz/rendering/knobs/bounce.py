@@ -70,7 +70,7 @@ KNOB = Knob(
     _cost,
     _told,
     _beyond,
-    lambda trial, setting: trial.bounce_difference(setting),
+    lambda trial, setting, _: trial.bounce_difference(setting),
     share=0.4,
     group="bounce",
     price=_price,

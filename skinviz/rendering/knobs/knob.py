@@ -39,8 +39,9 @@ class Knob:
     beyond : callable
         From a plan to what the reference has beyond it, empty if nothing.
     measure : callable or None
-        From a trial and a setting to a bound on what it changes [ΔE00]; None if all
-        levels give the same colours but for rounding.
+        From a trial, a setting and what is allowed to a bound on what the setting
+        changes, or to less that is not allowed either [ΔE00]; None if all levels give
+        the same colours but for rounding.
     share : float or None
         Of the tolerance, that it may use up together with the others of its group;
         None if it is judged together with all decided before it. [1]
@@ -56,7 +57,7 @@ class Knob:
     cost: Callable[[Plan, Work, Rates], float]
     told: Callable[[Plan, Work], str]
     beyond: Callable[[Plan], str]
-    measure: Callable[[Trial, Setting], float] | None
+    measure: Callable[[Trial, Setting, float], float] | None
     share: float | None = None
     group: str = ""
     price: Callable[[Plan, Work, Rates], float] | None = None

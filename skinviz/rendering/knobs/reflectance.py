@@ -39,7 +39,7 @@ KNOB = Knob(
     _cost,
     lambda plan, work: _WORDS[plan.reflectance] if work.mapped else "the model, once",
     lambda plan: "" if plan.reflectance == "model" else "the model at each point",
-    lambda trial, setting: trial.body_difference(setting),
+    lambda trial, setting, _: trial.body_difference(setting),
     share=0.25,
     group="body",
     price=body_price,

@@ -51,5 +51,5 @@ KNOB = Knob(
     _cost,
     _told,
     _beyond,
-    lambda trial, setting: trial.sampling_difference(setting),
+    lambda trial, setting, _: trial.sampling_difference(setting),
 )

@@ -24,5 +24,5 @@ KNOB = Knob(
     _cost,
     lambda plan, _: "cast" if plan.shadows else "none",
     lambda plan: "" if plan.shadows else "cast shadows",
-    lambda trial, setting: trial.difference(setting),
+    lambda trial, setting, allowed: trial.difference(setting, allowed),
 )

@@ -56,7 +56,7 @@ KNOB = Knob(
     lambda *_: 0.0,  # what needs the nodes tells what they cost
     _told,
     _beyond,
-    lambda trial, setting: trial.body_difference(setting),
+    lambda trial, setting, _: trial.body_difference(setting),
     share=0.15,
     group="body",
     price=body_price,

@@ -51,5 +51,5 @@ KNOB = Knob(
     _cost,
     lambda plan, _: _WORDS[plan.specular],
     lambda plan: _BEYOND[plan.specular],
-    lambda trial, setting: trial.difference(setting),
+    lambda trial, setting, allowed: trial.difference(setting, allowed),
 )

@@ -8,6 +8,7 @@ its inverse. That is the repository's convention; ours reads and writes the same
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,8 @@ from skinviz.scan.formats.ply import Ply, read_ply
 from skinviz.scan.formats.ply import columns as ply_columns
 from skinviz.scan.formats.ply_header import Element
 from skinviz.scan.scan import RangeView, Scan, scale_to_millimetres
+
+_EYE = "eye"  # first word of the comment that says where rays meet
 
 
 def is_range_grid(ply: Ply) -> bool:
@@ -48,7 +51,23 @@ def view_from_ply(
         raise MeshError(f"{path}: a return is not finite; remove it from the grid")
     grid = np.full((rows * columns, 3), np.nan)
     grid[filled] = to_millimetres(points[index], scale, str(path))
-    return RangeView(path.stem, grid.reshape(rows, columns, 3), pose)
+    eye = _eye(ply.comments, scale, path)
+    return RangeView(path.stem, grid.reshape(rows, columns, 3), pose, eye)
+
+
+def _eye(
+    comments: Iterable[str], scale: float, path: Path
+) -> NDArray[np.float64] | None:
+    """Return where the rays meet, if a comment ``eye x y z`` says so. [mm]"""
+    for comment in comments:
+        words = comment.split()
+        if words[:1] == [_EYE] and len(words) == 4:
+            try:
+                eye = np.array([float(word) for word in words[1:]])
+            except ValueError:
+                continue  # prose that begins with that word
+            return to_millimetres(eye, scale, str(path))
+    return None
 
 
 def _grid_shape(ply: Ply, n_cells: int, path: Path) -> tuple[int, int]:
@@ -140,20 +159,17 @@ def write_scan(
     Raises
     ------
     MeshError
-        If the scan has no views, or two of one name, or one whose rays are not
-        parallel, which these files cannot say.
+        If the scan has no views, or two of one name.
+
+    Notes
+    -----
+    Where the rays of a view meet in a point, a comment ``eye x y z`` says where.
     """
     names = [view.name for view in scan.views]
     if not names or len(set(names)) < len(names):
         raise MeshError(
             f"{path}: a scan is written as its views, each under its own name; got "
             f"{names}"
-        )
-    seen = [view.name for view in scan.views if view.eye is not None]
-    if seen:
-        raise MeshError(
-            f"{path}: the rays of view {seen[0]!r} meet in a point, which a .conf "
-            "cannot say; clean the scan and write the mesh"
         )
     from scipy.spatial.transform import Rotation
 
@@ -203,6 +219,9 @@ def _write_view(path: Path, view: RangeView, comments: tuple[str, ...]) -> None:
         none if i < 0 else np.array([i], dtype="<i4") for i in index
     ]
     rows, columns = valid.shape
+    eye = []
+    if view.eye is not None:
+        eye = [" ".join([_EYE, *(f"{float(x):.9g}" for x in view.eye)])]
     data = plyfile.PlyData(
         [
             plyfile.PlyElement.describe(vertex, "vertex"),
@@ -214,7 +233,7 @@ def _write_view(path: Path, view: RangeView, comments: tuple[str, ...]) -> None:
             ),
         ],
         byte_order="<",
-        comments=[f"{UNIT_COMMENT}mm", *comments],
+        comments=[f"{UNIT_COMMENT}mm", *eye, *comments],
         obj_info=[f"num_cols {columns}", f"num_rows {rows}"],
     )
     with whole_file(path) as partial:

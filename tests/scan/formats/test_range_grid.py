@@ -1,6 +1,7 @@
 """Stanford range views: what is written is read back, and what is broken refused."""
 
 import struct
+from dataclasses import replace
 
 import numpy as np
 import plyfile
@@ -295,3 +296,16 @@ def test_views_of_one_name_do_not_overwrite_each_other(tmp_path):
     got = read_scan(tmp_path / "a.conf").views
     for view, twin in zip(got, twins.views, strict=True):
         np.testing.assert_array_equal(view.valid, twin.valid)
+
+
+def test_where_rays_meet_goes_there_and_back(tmp_path):
+    view = replace(some_view(), eye=np.array([1.5, -2.0, 612.25]))
+    write_scan(tmp_path / "a.conf", Scan(views=(view,)), ("eye of the beholder",))
+    (back,) = read_scan(tmp_path / "a.conf").views
+    np.testing.assert_array_equal(back.eye, view.eye)
+    np.testing.assert_allclose(back.points, view.points, atol=1e-4)
+
+
+def test_prose_that_speaks_of_eyes_says_no_place(tmp_path):
+    write_scan(tmp_path / "a.conf", Scan(views=(some_view(),)), ("eye a b c",))
+    assert read_scan(tmp_path / "a.conf").views[0].eye is None
