@@ -121,7 +121,7 @@ SCENES = {
         m,
         pigmented=True,
         interreflection="diffuse",
-        camera=Camera([0.2, -0.3, 1], UP, (56, 56)),
+        camera=Camera([0.2, -0.3, 1], UP, (48, 48)),
     ),
     "few pixels": lambda m: hand(m, camera=Camera(BACK, FINGERS, (36, 36))),
 }

@@ -147,7 +147,7 @@ def test_all_edges_are_drawn_where_there_are_few(scene, pilot):
         assert np.isin(pilot.edges.pixels, edges).all()
 
 
-@pytest.mark.parametrize("size", [(n, n) for n in range(28, 52, 3)])
+@pytest.mark.parametrize("size", [(n, n) for n in range(28, 52, 6)])
 def test_at_any_size_a_pilot_is_complete_or_has_a_bound(matt, size):
     # Between few pixels, all of which count, and many, of which some do.
     scene = folds(matt, size)

@@ -25,6 +25,7 @@ from skinviz.rendering.plan import SPECTRA
 from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.stage import stage_of
 from skinviz.rendering.tolerance import FEW, compare
+from skinviz.rendering.trial import Trial
 from skinviz.rendering.work import work_of
 from skinviz.surface.dispersion import dispersion
 
@@ -288,6 +289,17 @@ def slow_lobes(steady, monkeypatch):
     """A machine on which the surface's reflection is worth leaving out."""
     rates = dataclasses.replace(steady, point=400.0, index=4000.0)
     monkeypatch.setattr(planner, "machine_rates", lambda: rates)
+
+
+def test_what_edges_do_not_bear_is_kept(model, steady, monkeypatch):
+    # Nothing changes in filled pixels, but too much at edges.
+    scene = hand(model, camera=LARGE, lights=(DirectionalLight(LARGE.direction),))
+    for edge, kept in ((1.99, False), (2.01, True)):
+        monkeypatch.setattr(Trial, "edge_difference", lambda *_, edge=edge: edge)
+        planned = plan(scene, 1.0)
+        assert planned.shadows == kept
+    told = finding(planned, "shadows")
+    assert (told.refused, told.refused_delta_e) == ("none, at edges", 2.01)
 
 
 def test_gloss_that_is_seen_is_kept(model, slow_lobes):

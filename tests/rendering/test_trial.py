@@ -28,7 +28,7 @@ SETTINGS = {
 
 @pytest.fixture(
     scope="module",
-    params=["hand", "two lamps", "dispersion", "bounce", "map", "few pixels"],
+    params=["hand", "dispersion", "bounce", "map", "few pixels"],
 )
 def trial(request, model):
     stage = stage_of(SCENES[request.param](model), BASE)
