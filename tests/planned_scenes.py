@@ -92,6 +92,7 @@ SCENES = {
     ),
     "narrow highlight": lambda m: hand(m, surface=TorranceSparrow(gamma=0.05)),
     "grazing": lambda m: hand(m, lights=(DirectionalLight([-1, 0.08, 0.1], "A"),)),
+    "crescent": lambda m: hand(m, lights=(DirectionalLight([-1, -0.9, 0.1]),)),
     "two lamps": lambda m: hand(
         m,
         lights=(

@@ -39,6 +39,8 @@ FILLED, EDGES = 1100, 800
 _MOST_FILLED = 3000  # of large pictures, of which 13 may
 _OF_HOW_MANY = 64  # pixels one is drawn
 
+_SURELY_MANY = FEW + FEW // 2  # lit pixels by a count from weights, if not fewer
+
 _MOST_DRAWN = 16 * FILLED  # pixels that one ray each is cast for
 _AT_ONCE, _ALONE = 2**16, 2**13  # points of a thread, and too few for two of them
 _SOME = 8  # pixels of a pilot, one of which is looked at first
@@ -140,13 +142,16 @@ class Pilot:
     def judge(self, xyz: Array, reference: Array) -> float:
         """Return a bound on the 99th percentile of how filled pixels (k, 3) differ.
 
-        Those unlit in both do not count.
+        Those unlit in both do not count. Nothing is told where few are lit and not
+        all of them are drawn: then the largest difference would count.
         """
         lit = is_lit(xyz, reference)
         differences = colour_differences(xyz[lit], reference[lit], self.white)
         differences = np.repeat(differences, self.weights[lit])
-        unlit = int(self.weights[~lit].sum())
-        return percentile_bound(differences, self.population - unlit)
+        population = self.population - int(self.weights[~lit].sum())
+        if population < _SURELY_MANY and not self.complete:
+            return np.inf
+        return percentile_bound(differences, population)
 
     @cached_property
     def some(self) -> tuple[Whole, Sample]:

@@ -167,7 +167,7 @@ def _spare(n: int, population: int) -> int:
     """
     from scipy.special import gammaln
 
-    beyond = int(_SHARE * population) + 1
+    beyond = int(_SHARE * (population - 1)) + 1
 
     def choices(of: int, some: NDArray[np.int64]) -> Array:
         return np.asarray(

@@ -20,7 +20,7 @@ from skinviz.rendering.painter import Painter
 from skinviz.rendering.pilot import EDGES, FILLED, pilot_of, point_colours
 from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.stage import stage_of
-from skinviz.rendering.tolerance import FEW
+from skinviz.rendering.tolerance import FEW, percentile_bound
 
 UP = [0.0, 1.0, 0.0]
 FLOAT32 = 2.0**-23
@@ -107,6 +107,34 @@ def test_a_complete_pilot_holds_all_filled_pixels(scene, pilot):
     assert pilot.complete >= (filled.size < FEW)
     if pilot.complete:
         assert_array_equal(pilot.filled.pixels, filled)
+
+
+def test_enough_are_drawn_for_a_bound(pilot):
+    n = int(pilot.weights.sum())
+    assert np.isfinite(percentile_bound(np.zeros(n), pilot.population))
+
+
+def test_the_population_is_how_many_are_filled(scene, pilot):
+    covered = full_trace(scene).covered
+    filled, seen = (covered == 16).sum(), (covered > 0).sum()
+    assert 0.9 * filled <= pilot.population <= 1.1 * seen
+    if pilot.complete:
+        assert pilot.population == filled
+        assert (pilot.weights == 1).all()
+
+
+def test_dark_pixels_stand_for_as_many_as_there_are(matt):
+    scene = hand(matt, (300, 300))
+    scene = scene.replace(lights=(DirectionalLight([-1, 0.05, 0.1]),))
+    pilot = pilot_of(stage_of(scene, Plan(spectrum="16")))
+    dark = ~pilot.filled.colours(Painter(pilot.stage)).any(axis=(1, 2))
+    picture = full_trace(scene)
+    full = picture.covered == 16
+    expected = 1 - picture.xyz[full].any(axis=1).mean()
+    assert 0.3 < expected < 0.9
+    assert dark.mean() < expected / 2  # few are traced, for there is nothing to see
+    found = pilot.weights[dark].sum() / pilot.weights.sum()
+    assert found == pytest.approx(expected, abs=0.05)
 
 
 def test_all_edges_are_drawn_where_there_are_few(scene, pilot):
@@ -259,6 +287,30 @@ def test_edges_differ_by_what_they_are_changed(matt):
     edges = pilot.edges.colours(Painter(pilot.stage)).mean(axis=1)
     assert 0 < pilot.edge_difference(1.02 * edges, edges) < 2
     assert 2 < pilot.edge_difference(0.5 * edges, edges) < 100
+
+
+@pytest.mark.parametrize("size", [60, 150, 176, 190, 205, 300])
+def test_of_few_lit_pixels_all_are_judged_or_nothing_is_told(matt, size):
+    # A crescent of light, of whose rim the pilot holds a part.
+    scene = hand(matt, (size, size))
+    scene = scene.replace(lights=(DirectionalLight([-1, -0.8, 0.1]),))
+    pilot = pilot_of(stage_of(scene, Plan(spectrum="16")))
+    picture = full_trace(scene)
+    lit = (picture.covered == 16) & (picture.xyz[..., 1] > 0)
+    assert lit.sum() < FEW
+    light = pilot.filled.colours(Painter(pilot.stage)).mean(axis=1)
+    found = pilot.judge(0.9 * light, light)
+    drawn = np.isin(np.flatnonzero(lit), pilot.filled.pixels)
+    assert np.isinf(found) == (not drawn.all())
+
+
+def test_one_edge_counts_only_where_few_pixels_are_filled(matt):
+    for size, counts in (((150, 170), False), ((31, 27), True)):
+        pilot = pilot_of(stage_of(hand(matt, size), Plan(spectrum="16")))
+        edges = pilot.edges.colours(Painter(pilot.stage)).mean(axis=1)
+        changed = edges.copy()
+        changed[edges[:, 1].argmax()] *= 0.3
+        assert (pilot.edge_difference(changed, edges) > 5) == counts
 
 
 # Nothing to draw ----------------------------------------------------------------

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from planned_scenes import RATES, SCENES, hand, mapped, under_a_roof
 
+from meshes import plane
 from skinviz import (
     Camera,
     DirectionalLight,
@@ -116,6 +117,14 @@ def test_pictures_are_checked_where_something_was_left_out(case):
         assert all(0 <= check.delta_e <= tolerance for check in checks)
 
 
+def test_a_large_picture_tells_of_its_check(model, steady):
+    picture = render(hand(model, camera=LARGE), tolerance=1.0)
+    assert picture.plan.samples < 16
+    *_, last = picture.plan.findings
+    assert last.knob == "check"
+    assert 0 <= last.delta_e <= 1
+
+
 def test_the_table_of_findings_lines_up(case):
     for tolerance, picture in case.pictures.items():
         title, head, *rows = picture.plan.explain().splitlines()
@@ -213,6 +222,18 @@ def test_a_picture_past_the_mesh_has_a_plan(model, steady, size):
         picture = render(hand(model, camera=camera))
     assert [f.knob for f in picture.plan.findings][: len(NAMES)] == NAMES
     assert not picture.covered.any()
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_sheet_that_shows_no_lit_side_is_black(model, steady, side):
+    # From behind, whose rays meet no outside, and from before with the light behind.
+    camera = Camera([0, 0.3, side], [0, 1, 0], (300, 300))
+    light = DirectionalLight([0, 0.2, -1])
+    scene = hand(model, mesh=plane(9), camera=camera, lights=(light,))
+    with pytest.warns(UserWarning, match="light 1 is behind|inside of the mesh"):
+        picture = render(scene, tolerance=1.0)
+    assert not picture.xyz.any()
+    assert (picture.covered == 16).sum() > 1000
 
 
 def test_few_filled_pixels_are_judged_by_the_largest_difference(model, steady):
@@ -336,4 +357,4 @@ def test_what_costs_nothing_is_not_left_out(model, slow):
     else:
         assert planned.spectrum == "1 nm"
         assert planned.reflectance == "model"
-        assert planned.samples < 16
+        assert planned.samples < 16 or not planned.shadows

@@ -246,7 +246,7 @@ def test_contrasts_are_marked_on_both_sides_where_rays_are_few(limit):
     xyz = xyz.astype(np.float32)
     rays = np.where(rng.random((h, w)) < 0.2, 16, 2).astype(np.uint8)
     out = np.zeros((h, w), dtype=bool)
-    kernels.contrasts(xyz, rays, 2, white, limit, out)
+    kernels.contrasts(xyz, rays, 2, white, limit, 0, h, out)
     # By a slow loop over pairs.
     expected = np.zeros((h, w), dtype=bool)
     for row, column in np.ndindex(h, w):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.stats import binom, hypergeom
@@ -18,8 +18,6 @@ from skinviz.rendering.tolerance import (
 
 D65 = np.array([0.95047, 1.0, 1.08883])
 FLAT = np.ones(3)
-MANY = 10**9
-"""Pixels, of which those drawn are next to nothing."""
 
 
 def some_xyz(n, seed=0, brightest=1.0):
@@ -233,71 +231,90 @@ def test_the_same_picture_keeps_any_tolerance():
 # Bounds from samples ------------------------------------------------------------
 
 
-def brute_force_rank(n):
+def brute_force_rank(n, population):
     """How many of n draws may lie above a bound of the 99th percentile; -1: none.
 
-    Were the percentile above the (k + 1)-th largest, at most k of the draws would be
-    above it, each of which is with a chance of 0.01.
+    If it were none, as many of all would be above it as lift the percentile over it,
+    of which more than so few are drawn, but for a chance of 0.001.
     """
-    fitting = [k for k in range(n) if binom.cdf(k, n, 0.01) <= 1e-3]
+    beyond = next(
+        k for k in range(population + 1) if np.quantile(above(k, population), 0.99) > 0
+    )
+    fitting = [k for k in range(n) if hypergeom.cdf(k, population, beyond, n) <= 1e-3]
     return max(fitting, default=-1)
 
 
-@pytest.mark.parametrize("n", [1, 100, 687, 688, 700, 918, 919, 1100, 1500, 5000])
-def test_bounds_are_the_order_statistics_that_binomials_say(n):
+def above(k, population):
+    """Of all, k that are above 0."""
+    return np.repeat([0.0, 1.0], [population - k, k])
+
+
+@pytest.mark.parametrize(
+    ("n", "population"),
+    [
+        *((n, 1000) for n in (1, 300, 687, 999, 1000)),
+        *((n, 1001) for n in (300, 688, 1001)),
+        *((n, 1500) for n in (687, 688, 1100, 1500)),
+        *((n, 40_000) for n in (688, 1100, 3000)),
+    ],
+)
+def test_bounds_are_the_order_statistics_that_drawing_says(n, population):
     draws = np.random.default_rng(n).permutation(n).astype(float)
-    spare = brute_force_rank(n)
+    spare = brute_force_rank(n, population)
     expected = np.inf if spare < 0 else n - 1 - spare
-    assert percentile_bound(draws, MANY) == expected
+    assert percentile_bound(draws, population) == expected
+
+
+@pytest.mark.parametrize("n", [688, 918, 919, 1100, 3000])
+def test_of_very_many_draws_are_binomial(n):
+    spare = max(k for k in range(n) if binom.cdf(k, n, 0.01) <= 1e-3)
+    draws = np.random.default_rng(n).permutation(n).astype(float)
+    assert percentile_bound(draws, 10**7) == n - 1 - spare
 
 
 def test_samples_too_small_to_tell_have_no_bound():
     # 0.99^n falls below 0.001 at n = 688.
     assert 0.99**687 > 1e-3 > 0.99**688
-    for n in (0, 1, 687):
-        assert percentile_bound(np.zeros(n), MANY) == np.inf
-    assert percentile_bound(np.zeros(688), MANY) == 0
+    for n in (0, 1, 680):
+        assert percentile_bound(np.zeros(n), 10**6) == np.inf
+    assert percentile_bound(np.zeros(688), 10**6) == 0
 
 
-@pytest.mark.parametrize("n", [0, 1, 500, 999])
-def test_of_all_of_few_the_largest_is_the_bound(n):
+@pytest.mark.parametrize("n", [0, 1, 500, FEW - 1])
+def test_of_few_that_are_all_there_are_the_largest_is_the_bound(n):
     draws = np.random.default_rng(n).gamma(1, 1, n)
-    expected = draws.max() if n else 0.0
-    assert percentile_bound(draws, n) == expected
+    assert percentile_bound(draws, n) == (draws.max() if n else 0.0)
 
 
-@pytest.mark.parametrize("n", [1000, 2000])
-def test_of_all_of_many_the_percentile_is_the_bound(n):
-    draws = np.random.default_rng(n).permutation(n).astype(float)
-    assert percentile_bound(draws, n) == n - 1 - n // 100
+@given(st.integers(FEW, 4000), st.integers(0, 2**32 - 1))
+@example(1000, 0)
+@example(2000, 1)
+def test_of_many_that_are_all_there_are_their_percentile_is_below(n, seed):
+    draws = np.random.default_rng(seed).pareto(1, n)
+    bound = percentile_bound(draws, n)
+    assert np.percentile(draws, 99) <= bound <= np.sort(draws)[-(n // 100)]
 
 
-@pytest.mark.parametrize(("n", "population"), [(900, 1100), (1100, 2400), (1100, 9999)])
-def test_draws_that_are_not_put_back_bound_more_closely(n, population):
-    draws = np.random.default_rng(n).permutation(n).astype(float)
-    spare = n - 1 - int(percentile_bound(draws, population))
-    beyond = population // 100 + 1
-    chances = hypergeom.cdf([spare, spare + 1], population, beyond, n)
-    assert chances[0] <= 1e-3 < chances[1]
-    assert percentile_bound(draws, population) <= percentile_bound(draws, MANY)
-
-
-@pytest.mark.parametrize("n", [700, 1100])
-def test_a_bound_is_too_low_in_less_than_one_case_of_a_thousand(n):
-    # Of uniform draws the percentile is 0.99; by order statistics, 200,000 cases.
+@pytest.mark.parametrize(("n", "population"), [(700, 1500), (1100, 10**5)])
+def test_a_bound_is_too_low_in_less_than_one_case_of_a_thousand(n, population):
     rng = np.random.default_rng(n)
-    runs = 200_000
-    spare = brute_force_rank(n)
-    # The (spare + 1)-th largest of n uniforms is a beta variate.
-    bounds = rng.beta(n - spare, spare + 1, runs)
-    low = (bounds < 0.99).mean()
-    assert low <= 1e-3 + 4 * np.sqrt(1e-3 / runs)
-    few = np.array([percentile_bound(rng.random(n), MANY) for _ in range(4000)])
-    assert (few < 0.99).sum() <= 15  # 4 expected; more by a chance of 1e-5
-    assert np.median(few) == pytest.approx(np.median(bounds), abs=2e-4)
+    every = np.sort(rng.exponential(1, population))
+    true = np.percentile(every, 99)
+    bounds = np.array(
+        [
+            percentile_bound(
+                rng.choice(every, n, replace=False, shuffle=False), population
+            )
+            for _ in range(4000)
+        ]
+    )
+    low = (bounds < true).sum()
+    assert low <= 15  # 4 expected at most; more by a chance of 1e-5
+    assert np.median(bounds) <= every[-population // 1000]
 
 
-@given(st.integers(688, 3000), st.integers(0, 2**32 - 1))
-def test_bounds_never_lie_below_the_samples_own_percentile(n, seed):
+@given(st.integers(FEW, 3000), st.integers(0, 2**32 - 1), st.integers(0, 10**6))
+def test_bounds_never_lie_below_the_samples_own_percentile(n, seed, more):
     draws = np.random.default_rng(seed).exponential(1, n)
-    assert percentile_bound(draws, MANY) >= np.quantile(draws, 0.99, method="lower")
+    bound = percentile_bound(draws, n + more)
+    assert bound >= np.quantile(draws, 0.99, method="lower")

@@ -90,6 +90,15 @@ def test_edges_change_as_they_do_in_the_picture(trial):
         assert own > 2
 
 
+@pytest.mark.parametrize("name", ["shadows", "specular", "shading"])
+def test_edges_are_priced_by_what_changes_at_edges(trial, reference, name):
+    found = in_the_picture(trial, reference, SETTINGS[name])
+    price = trial.edge_difference(SETTINGS[name])
+    assert price <= found.most_edge * (1 + 1e-3) + 1e-4
+    if found.n_edge < 700:  # all are looked at
+        assert price >= found.edge * (1 - 1e-3) - 1e-4
+
+
 def test_edges_do_not_mind_the_sampling(trial):
     assert trial.edge_difference({"samples": 1, "refine": 64.0}) == 0
 
