@@ -24,8 +24,9 @@ from skinviz.scene.scene import Scene
 TIGHTEST, LOOSEST = 0.01, 100.0
 """Tolerances that may be asked for. [ΔE00]"""
 
-_TRIAL_FIXED = 2.0  # ms, whatever the scene
+_TRIAL_FIXED = 4.0  # ms, whatever the scene
 _PILOT_TRIALS = 4.0  # that a pilot costs, and must be worth
+_SAMPLE_TRIALS = 4.0  # that finding out about samples costs
 _FEW_RAYS: Setting = {"samples": 1, "refine": 8.0}  # that may do, in the end
 _NEVER = 1e6  # a contrast that no pixel has
 
@@ -175,6 +176,8 @@ class _Search:
         plan = self.stage.plan
         *levels, exact = sampling.KNOB.levels(self.work)
         most = self.cost(plan.replace(**exact))
+        if most - self._least(levels[0]) < _SAMPLE_TRIALS * self.trial_cost(plan):
+            return trial
         for level in levels:
             samples, enough = level["samples"], best[0] if best else most
             if not self._surveyed(samples):
@@ -207,9 +210,10 @@ class _Search:
         trial: Trial,
     ) -> Trial:
         """Take a level, and return the trial with it."""
+        alike = self.base is self.stage
         self.stage = self.stage.replanned(**level)
         if knob.share is not None:
-            self.base = self.base.replanned(**level)
+            self.base = self.stage if alike else self.base.replanned(**level)
             self.spent[knob.group] = difference
             self.found[knob.name] = (difference, *refused)
             return Trial(trial.pilot, self.base, self.stage)
