@@ -150,7 +150,7 @@ def _telling(
 
 
 def _draw(painter: Painter, pixels: Whole, samples: int, image: Image) -> None:
-    """Write what is seen of pixels (k,), ascending, with as many samples each."""
+    """Write what is seen of pixels (k,), with as many samples each."""
     hits = painter.cast(pixels, samples)
     image.xyz[pixels] = painter.colours(hits, samples)
     image.covered[pixels] = hits.covered
