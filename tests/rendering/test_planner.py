@@ -317,7 +317,7 @@ def test_a_surface_that_does_not_shine_has_no_specular_part(model, slow_lobes):
     assert finding(planned, "specular").delta_e == 0
 
 
-def test_dispersion_is_left_out_where_one_index_suffices(model, steady):
+def test_dispersion_is_left_out_where_one_index_suffices(model, slow_lobes):
     surface = TorranceSparrow(n=dispersion("epidermis"))
     scene = hand(model, camera=LARGE, surface=surface)
     tight, loose = plan(scene, 0.2), plan(scene, 1.0)
