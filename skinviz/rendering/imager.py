@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._threads import even_size, in_slices
-from skinviz.rendering import kernels
+from skinviz.rendering import contrasts
 from skinviz.rendering.expansion import as_single
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.plan import MOST_SAMPLES
@@ -171,7 +171,7 @@ def _refine(painter: Painter, image: Image) -> None:
 
     def look(part: slice) -> None:
         rows = (part.start, part.stop)
-        kernels.contrasts(xyz, rays, plan.samples, white, contrast, *rows, rough)
+        contrasts.contrasts(xyz, rays, plan.samples, white, contrast, *rows, rough)
 
     in_slices(look, height, even_size(height, max(1, _RAYS // width)))
     partly = (image.covered > 0) & (image.covered < image.rays)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._threads import even_size, in_slices, processors
-from skinviz.rendering import kernels, trace
+from skinviz.rendering import contrasts, trace
 from skinviz.rendering.imager import contrast_white
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.plan import MOST_SAMPLES, cells
@@ -210,7 +210,7 @@ class Pilot:
         around[looked_at] = light.mean(axis=1)[where]
         mean = own[:, :samples].mean(axis=1, keepdims=True)
         out = np.zeros(len(own))
-        kernels.neighbour_contrasts(
+        contrasts.neighbour_contrasts(
             np.concatenate([mean, around], axis=1), contrast_white(self.stage), out
         )
         return out

@@ -14,7 +14,7 @@ from skinviz import (
     TorranceSparrow,
     render,
 )
-from skinviz.rendering import kernels
+from skinviz.rendering import contrasts
 from skinviz.rendering.imager import contrast_white
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.pilot import EDGES, FILLED, pilot_of, point_colours
@@ -236,7 +236,7 @@ def test_contrasts_are_those_of_the_picture(matt):
             rays = np.where(outlined, 16, samples).astype(np.uint8)
             for limit in (1.0, 4.0):
                 rough = np.zeros(outlined.shape, dtype=bool)
-                kernels.contrasts(
+                contrasts.contrasts(
                     image, rays, samples, white, limit, 0, len(image), rough
                 )
                 expected = rough.ravel()[pilot.filled.pixels]

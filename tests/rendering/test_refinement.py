@@ -14,7 +14,7 @@ from skinviz import (
     TorranceSparrow,
     render,
 )
-from skinviz.rendering import imager, kernels
+from skinviz.rendering import contrasts, imager
 from skinviz.rendering.imager import contrast_white
 from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.stage import stage_of
@@ -226,7 +226,7 @@ def test_contrast_is_the_size_of_cielabs_difference_with_half_the_chroma():
     white = np.array([0.95, 1.0, 1.09])
     xyz = rng.uniform(0.05, 0.9, (400, 2, 3))
     out = np.zeros(400)
-    kernels.neighbour_contrasts(xyz, white, out)
+    contrasts.neighbour_contrasts(xyz, white, out)
     lab = xyz_to_lab(xyz, white)
     L, a, b = (lab[:, 0] - lab[:, 1]).T
     expected = np.sqrt(L**2 + (a / 2) ** 2 + (b / 2) ** 2)
@@ -246,7 +246,7 @@ def test_contrasts_are_marked_on_both_sides_where_rays_are_few(limit):
     xyz = xyz.astype(np.float32)
     rays = np.where(rng.random((h, w)) < 0.2, 16, 2).astype(np.uint8)
     out = np.zeros((h, w), dtype=bool)
-    kernels.contrasts(xyz, rays, 2, white, limit, 0, h, out)
+    contrasts.contrasts(xyz, rays, 2, white, limit, 0, h, out)
     # By a slow loop over pairs.
     expected = np.zeros((h, w), dtype=bool)
     for row, column in np.ndindex(h, w):
