@@ -72,6 +72,14 @@ def toy_hand(length=180.0, n_around=72, n_along=90):
     return polydata(*_drop_empty(points, np.minimum(faces, ring)))
 
 
+def grid(height, pitch=1.0):
+    """A range view of heights (rows, columns) above evenly spaced cells."""
+    rows, columns = height.shape
+    x, y = np.meshgrid(pitch * np.arange(columns), pitch * np.arange(rows))
+    points = np.stack([x, y, height], axis=-1)
+    return np.where(np.isfinite(height)[..., None], points, np.nan)
+
+
 def moved(mesh, pose):
     """A copy of a mesh after a rigid motion (4, 4)."""
     points = np.asarray(mesh.points) @ pose[:3, :3].T + pose[:3, 3]

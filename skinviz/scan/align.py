@@ -34,14 +34,15 @@ class Patch:
         The view's name, for messages.
     points, normals : (n, 3) ndarray of float64
         Surface points [mm] and unit normals.
-    interior : (n,) ndarray of bool
-        False on the patch's rim, where a nearest point says nothing.
+    steady : (n,) ndarray of bool
+        False on the patch's rim and at grazing incidence, where a nearest point
+        says nothing.
     """
 
     name: str
     points: NDArray[np.float64]
     normals: NDArray[np.float64]
-    interior: NDArray[np.bool_]
+    steady: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -184,7 +185,7 @@ def _match(
             near = np.flatnonzero(np.isfinite(gap))
             k = k[near]
             normals = other.normals[k] @ rotation.T
-            good = other.interior[k] & (
+            good = other.steady[k] & (
                 np.einsum("ij,ij->i", facing[near], normals) > _NORMALS_AGREE
             )
             near, k, normals = near[good], k[good], normals[good]
