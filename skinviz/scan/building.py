@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import MeshError
 from skinviz.scan import topology
-from skinviz.scan.align import Patch, Pose, align_patches
+from skinviz.scan.align import align_patches
 from skinviz.scan.checks import require_hand_size
 from skinviz.scan.grid import range_of
 from skinviz.scan.merge import (
@@ -20,6 +20,7 @@ from skinviz.scan.merge import (
     unsupported_regions,
 )
 from skinviz.scan.meshlab import Limits
+from skinviz.scan.partners import Patch, Pose
 from skinviz.scan.scan import PointCloud, transform
 from skinviz.scan.smoothing import range_noise
 from skinviz.scan.views import make_patch, view_surface

@@ -8,13 +8,13 @@ import numpy as np
 
 from skinviz.errors import MeshError
 from skinviz.scan import topology
-from skinviz.scan.align import Patch
 from skinviz.scan.grid import (
     rays_towards,
     relative_noise,
     smoothing_rounds,
     triangulate,
 )
+from skinviz.scan.partners import Patch
 from skinviz.scan.scan import RangeView
 from skinviz.scan.smoothing import smoothed
 from skinviz.scan.topology import Faces, Points

@@ -153,7 +153,7 @@ def measure_hand(mesh: pyvista.PolyData) -> Hand:
         arm=arm,
         wrist=loop,
         wrist_centre=opening,
-        wrist_width=_widest(points[loop]),
+        wrist_width=topology.widest(points[loop]),
     )
 
 
@@ -248,12 +248,6 @@ def _arm_length(  # noqa: PLR0917
     widths = np.array([cut.width(frame.side) for cut in cuts])
     narrow = np.flatnonzero(widths <= _HARDLY_WIDER * widths.min())
     return float(heights[narrow[-1]])
-
-
-def _widest(points: Array) -> float:
-    """Return the largest distance between two points of a ring. [mm]"""
-    few = points[:: max(1, len(points) // 1000)]
-    return float(np.linalg.norm(few[:, None] - few, axis=-1).max())
 
 
 def _mean_back_normal(

@@ -6,7 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from meshes import distance_to, pose, toy_hand
 from skinviz.errors import MeshError
-from skinviz.scan.align import Patch, align_patches
+from skinviz.scan.align import align_patches
+from skinviz.scan.partners import Patch
 from skinviz.scan.scan import transform
 from skinviz.scan.simulate import Scanner, directions_around, simulate_scan
 from skinviz.scan.views import make_patch, view_surface
