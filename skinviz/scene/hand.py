@@ -108,7 +108,7 @@ def hand_frame(mesh: pyvista.PolyData) -> HandFrame:
     Raises
     ------
     MeshError
-        If the mesh has no opening, or no thumb can be told from its shape.
+        If the mesh has no opening, is a sheet, or no thumb can be told from its shape.
     """
     return measure_hand(mesh).frame
 
@@ -131,7 +131,7 @@ def measure_hand(mesh: pyvista.PolyData) -> Hand:
     Raises
     ------
     MeshError
-        If the mesh has no opening, or no thumb can be told from its shape.
+        If the mesh has no opening, is a sheet, or no thumb can be told from its shape.
     """
     points, faces = require_triangles(mesh, "mesh")
     loop = wrist_loop(points, faces)
@@ -140,12 +140,20 @@ def measure_hand(mesh: pyvista.PolyData) -> Hand:
             "the mesh has no opening at the wrist, so the direction of its fingers "
             "is unknown; give the view's and the lights' directions instead of angles"
         )
-    opening = points[loop].mean(axis=0)
+    opening, width = points[loop].mean(axis=0), topology.widest(points[loop])
+    if width > np.linalg.norm(points - opening, axis=1).max():
+        raise MeshError(f"the mesh is open as wide as it reaches: no hand{_NO_HAND}")
     shape = _hand_alone(points, faces, loop)
     frame, thumb = _frame(shape)
     along = (points - opening) @ frame.fingers
-    first, wrist = float(along[loop].max()), (shape.wrist - opening) @ frame.fingers
-    arm = _arm_length(points, faces, frame, opening, first, float(wrist))
+    arm = _arm_length(
+        points,
+        faces,
+        frame,
+        along,
+        first=float(along[loop].max()),
+        wrist=float((shape.wrist - opening) @ frame.fingers),
+    )
     return Hand(
         frame,
         side="right" if thumb @ frame.side < 0 else "left",
@@ -153,7 +161,7 @@ def measure_hand(mesh: pyvista.PolyData) -> Hand:
         arm=arm,
         wrist=loop,
         wrist_centre=opening,
-        wrist_width=topology.widest(points[loop]),
+        wrist_width=width,
     )
 
 
@@ -225,20 +233,22 @@ def _frame(shape: _Shape) -> tuple[HandFrame, Array]:
     return HandFrame(back, fingers, np.cross(fingers, back)), outwards * wide
 
 
-def _arm_length(  # noqa: PLR0917
+def _arm_length(
     points: Array,
     faces: NDArray[np.int64],
     frame: HandFrame,
-    opening: Array,
+    along: Array,
+    *,
     first: float,
     wrist: float,
 ) -> float:
     """Return where the arm's narrow part ends and the hand begins to widen. [mm]
 
-    Around the wrist the mesh is cut by planes across the fingers; the narrow part
-    ends with the last section that is hardly wider than the narrowest.
+    ``first`` and ``wrist``, the end of the opening and the narrowest section, are
+    heights ``along`` the fingers. Around the wrist the mesh is cut by planes across
+    the fingers; the narrow part ends with the last section that is hardly wider than
+    the narrowest.
     """
-    along = (points - opening) @ frame.fingers
     hand = float(along.max()) - wrist
     low, high = max(first, wrist - _WRIST * hand), wrist + 0.4 * hand
     if low >= high:

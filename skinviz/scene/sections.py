@@ -115,7 +115,7 @@ def narrowest(
     if not wrist.any():
         return None
     begin = int(wrist.argmax())
-    rest = areas[begin:]
+    rest = np.where(areas > 0, areas, np.inf)[begin:]  # a gap is no wrist
     risen = rest > _WIDENED * np.minimum.accumulate(rest)
     end = int(risen.argmax()) if risen.any() else len(rest)
     return float(heights[begin + int(rest[:end].argmin())])
