@@ -12,7 +12,7 @@ from skinviz.rendering import rays
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.outlines import facing_triangles, outline_pixels
 from skinviz.scene.camera import View
-from skinviz.scene.relief import Relief
+from skinviz.scene.relief import SMOOTH, Relief
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ class Sight:
 
     geometry: Geometry
     view: View
-    relief: Relief = Relief()
+    relief: Relief = SMOOTH
 
     @cached_property
     def eye(self) -> Array:

@@ -164,9 +164,7 @@ def _parsed(name: str, word: str | float) -> _Change:
     return _Change("x" if sign else "=", value)
 
 
-def _require_bounds(
-    model: SkinModel, name: str, word: str, weights: Weights
-) -> None:
+def _require_bounds(model: SkinModel, name: str, word: str, weights: Weights) -> None:
     """Refuse what no skin of the model has."""
     for parameter in model.parameters:
         own = weights[parameter.name]

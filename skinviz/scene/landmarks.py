@@ -97,9 +97,10 @@ def landmarks(
     -------
     landmarks : mapping of str to int
         Vertices, by ``NAMES``: ``back``, ``palm``, ``thenar`` and ``hypothenar`` (the
-        balls of thumb and little finger), ``wrist``, ``inner_wrist``; for each of ``thumb``,
-        ``index``, ``middle``, ``ring`` and ``little`` as ``index_fingertip``: its
-        ``fingertip``, ``nail_bed``, ``pad``, ``joint`` (the middle one's back),
+        balls of thumb and little finger), ``wrist``, ``inner_wrist``; and of each of
+        ``thumb``, ``index``, ``middle``, ``ring`` and ``little``, as
+        ``index_fingertip``: ``fingertip``, ``nail_bed``, ``pad``, ``joint`` (the
+        middle one's back),
         ``finger_palm`` (opposite), ``finger_root`` (its palm end) and ``knuckle``.
 
     Raises
@@ -113,8 +114,8 @@ def landmarks(
     found: dict[str, int] = {}
     for name, finger in fingers.items():
         found[f"{name}_fingertip"] = finger.tip
-        for place, (share, behind) in _PLACES.items():
-            share = _THUMB.get(place, share) if name == "thumb" else share
+        for place, (usual, behind) in _PLACES.items():
+            share = _THUMB.get(place, usual) if name == "thumb" else usual
             line = surface.points[finger.tip] - share * finger.length * finger.axis
             towards = finger.back if behind else -finger.back
             found[f"{name}_{place}"] = _outermost(surface, hand, line, towards)
@@ -122,9 +123,7 @@ def landmarks(
     return MappingProxyType(found)
 
 
-def _of_hand(
-    surface: Surface, hand: Hand, found: Mapping[str, int]
-) -> dict[str, int]:
+def _of_hand(surface: Surface, hand: Hand, found: Mapping[str, int]) -> dict[str, int]:
     """Return the points between wrist and knuckles."""
     back, points = hand.frame.back, surface.points
     wrist = hand.wrist_centre + hand.arm * hand.frame.fingers
@@ -223,7 +222,9 @@ def _peaks(surface: Surface, height: Array) -> tuple[Whole, Array, Whole]:
     return peaks, np.array([low[p] for p in order]), np.array([head[p] for p in order])
 
 
-def _of_peak(surface: Surface, height: Array, peak: int, low: float) -> NDArray[np.bool_]:
+def _of_peak(
+    surface: Surface, height: Array, peak: int, low: float
+) -> NDArray[np.bool_]:
     """Return which vertices (n,) belong to a peak's ground above a height."""
     edges, _ = topology.edge_counts(surface.faces)
     inside = (height[edges] > low).all(axis=1)

@@ -43,7 +43,7 @@ def smooth_noise(points: Array, size: float, rng: np.random.Generator) -> Array:
     for start in range(0, len(points), step):
         part = slice(start, start + step)
         out[part] = np.cos(points[part] @ waves + phases).sum(axis=1)
-    return np.sqrt(2 / _WAVES) * out
+    return np.asarray(np.sqrt(2 / _WAVES) * out)
 
 
 def network(points: Array, seed: int) -> Array:
@@ -55,4 +55,4 @@ def network(points: Array, seed: int) -> Array:
 
     values, slopes = np.zeros(len(points)), np.zeros(points.shape)
     all_ridges(np.ascontiguousarray(points), seed, values, slopes)
-    return values / np.maximum(np.linalg.norm(slopes, axis=1), 0.5)
+    return np.asarray(values / np.maximum(np.linalg.norm(slopes, axis=1), 0.5))

@@ -99,8 +99,8 @@ def vertices_of(
         one_of(name, (*NAMES, *GROUPS), "point of a hand")
     places = landmarks(mesh, surface) if named else {}
     single: dict[str, str] = {}
-    for key in sorted(named, key=lambda key: -len(GROUPS.get(key, (key,)))):
-        single |= dict.fromkeys(GROUPS.get(key, (key,)), key)
+    for name in sorted(named, key=lambda name: -len(GROUPS.get(name, (name,)))):
+        single |= dict.fromkeys(GROUPS.get(name, (name,)), name)
     sites: list[tuple[Point, int]] = [
         (key, places[place]) for place, key in single.items()
     ]
@@ -169,7 +169,9 @@ def _vertex(point: Hashable, surface: Surface) -> int:
     n = len(surface.points)
     if isinstance(point, int | np.integer) and not isinstance(point, bool):
         if not 0 <= point < n:
-            raise ArgumentError(f"vertex {point} is none of the mesh's {n}, 0 to {n - 1}")
+            raise ArgumentError(
+                f"vertex {point} is none of the mesh's {n}, 0 to {n - 1}"
+            )
         return int(point)
     place = as_numbers(point, "a point")  # type: ignore[arg-type]
     if place.shape != (3,) or not np.isfinite(place).all():
@@ -184,4 +186,3 @@ def _vertex(point: Hashable, surface: Surface) -> int:
             f"{_FARTHEST:g} mm: give coordinates of the mesh, in mm"
         )
     return int(vertex)
-

@@ -33,7 +33,7 @@ class Relief:
         """Refuse what no skin has."""
         in_range(self.depth, 0.0, 500.0, "relief depth", "µm")
         in_range(self.spacing, 0.05, 50.0, "relief spacing", "mm")
-        require_seed(self.seed)
+        object.__setattr__(self, "seed", require_seed(self.seed))
 
 
 def require_seed(seed: int) -> int:
@@ -42,3 +42,7 @@ def require_seed(seed: int) -> int:
     if seed != int(seed):
         raise ArgumentError(f"seed must be a whole number; got {seed!r}")
     return int(seed)
+
+
+SMOOTH = Relief()
+"""No relief."""

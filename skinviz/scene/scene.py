@@ -15,7 +15,7 @@ from skinviz.scan.checks import require_triangles
 from skinviz.scene.camera import Camera
 from skinviz.scene.changes import changed_values, told
 from skinviz.scene.lights import Light
-from skinviz.scene.relief import Relief
+from skinviz.scene.relief import SMOOTH, Relief
 from skinviz.skin.model import SkinModel
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.adaptation import ADAPTATIONS
@@ -158,7 +158,7 @@ class Scene:
     background: tuple[int, int, int] = BACKGROUND
     display: Display = SRGB
     white: str = "none"
-    relief: Relief = Relief()
+    relief: Relief = SMOOTH
     _checked: pyvista.PolyData | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:

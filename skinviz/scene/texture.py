@@ -84,7 +84,7 @@ class SkinTexture:
         """Refuse amounts out of their ranges."""
         for name, (low, high, unit) in _LIMITS.items():
             in_range(getattr(self, name), low, high, name, unit)
-        require_seed(self.seed)
+        object.__setattr__(self, "seed", require_seed(self.seed))
 
     @property
     def told(self) -> str:
