@@ -63,6 +63,7 @@ _PLACES = {
 _THUMB = {"joint": 0.5, "finger_palm": 0.6, "finger_root": 1.0, "knuckle": 1.05}
 _THUMB_TURN = np.deg2rad(60)  # of its nail about its axis, away from the others'
 _LEAST_FINGER = 0.1  # of the hand's length, from tip to web
+_OTHERWISE = "give points as vertices or coordinates instead of names"
 _BESIDE = 0.02  # of the hand's length, within which vertices are beside a line
 
 
@@ -108,7 +109,7 @@ def landmarks(
     MeshError
         If the mesh has no opening, no thumb, or not five fingers that are apart.
     """
-    hand = measure_hand(mesh)
+    hand = hand_of(mesh, _OTHERWISE)
     surface = surface or surface_of(mesh)
     fingers = _fingers(surface, hand)
     found: dict[str, int] = {}
@@ -121,6 +122,15 @@ def landmarks(
             found[f"{name}_{place}"] = _outermost(surface, hand, line, towards)
     found |= _of_hand(surface, hand, found)
     return MappingProxyType(found)
+
+
+def hand_of(mesh: pyvista.PolyData, otherwise: str) -> Hand:
+    """Return what is found of a hand, or say what to do where it is none."""
+    try:
+        return measure_hand(mesh)
+    except MeshError as error:
+        why = str(error).partition(";")[0]
+        raise MeshError(f"{why}; {otherwise}") from error
 
 
 def _of_hand(surface: Surface, hand: Hand, found: Mapping[str, int]) -> dict[str, int]:
@@ -150,8 +160,8 @@ def _fingers(surface: Surface, hand: Hand) -> dict[str, _Finger]:
     kept = reach[tips] - passes > _LEAST_FINGER * hand.length
     if kept.sum() != len(FINGERS):
         raise MeshError(
-            f"the mesh has {kept.sum()} fingers that are apart, five are needed to "
-            "find named points; give points as vertices or coordinates instead"
+            f"the mesh has {kept.sum()} fingers that are apart, five are needed; "
+            f"{_OTHERWISE}"
         )
     tips, webs = tips[kept], passes[kept]
     # A finger ends where the next one begins, also the one that reaches farthest.

@@ -23,6 +23,7 @@ PIGMENTS_ARRAY = "pigments"
 """Point data in which a mesh carries parameters of skin (n, p)."""
 
 _COORDINATES = ("Texture Coordinates", "TCoords", "TEXCOORD_0", "uv")
+_PNG_DEPTH = 24  # the byte that holds it
 _SAME = 1e-5  # of the mesh's extent, by which its points may differ in a painted file
 
 
@@ -79,8 +80,8 @@ def painted_image(
     mesh : pyvista.PolyData
         With texture coordinates: u to the right and v up, 0 to 1 over the image.
     path : str or path-like
-        ``.png`` or ``.tif`` of 8 or 16 bits, whose largest number is 1.0, or ``.tif``
-        or ``.exr`` of floats; its first p channels are the parameters.
+        ``.png`` of 8 bits or ``.tif`` of 8 or 16, whose largest number is 1.0, or
+        ``.tif`` or ``.exr`` of floats; its first p channels are the parameters.
     at_one : (p,) array_like
         The parameters that 1.0 in each channel stands for.
 
@@ -146,7 +147,7 @@ def _read_image(file: Path) -> Array:
     try:
         image = np.asarray(_READERS[suffix](file))
     except Exception as error:
-        raise DataError(f"{file}: not a whole {suffix} image: {error}") from error
+        raise DataError(f"{file}: no whole {suffix} image: {error}") from error
     if image.ndim == 2:
         image = image[..., None]
     if image.ndim != 3 or image.dtype.kind not in "uf" or image.size == 0:
@@ -162,24 +163,27 @@ def _read_image(file: Path) -> Array:
 
 
 def _read_png(file: Path) -> NDArray[Any]:
-    """Return a PNG's numbers, of 8 or 16 bits."""
+    """Return a PNG's numbers; of more than 8 bits Pillow keeps 8, so no such."""
     from PIL import Image
 
-    with Image.open(file) as whole:
-        whole.load()  # which finds what is cut short
-    import pyvista as pv
-
-    image = pv.read(file)
-    width, height, _ = image.dimensions
-    values = np.asarray(image.point_data.active_scalars)
-    return values.reshape(height, width, -1)[::-1]  # VTK begins at the bottom
+    with Image.open(file) as image:
+        image.load()
+        content = file.read_bytes()
+        if b"IEND" not in content[-16:]:  # Pillow fills in what is lacking
+            raise ValueError("it is cut short")
+        if image.mode not in ("L", "LA", "RGB", "RGBA") or content[_PNG_DEPTH] != 8:
+            raise ValueError("not of 8 bits a channel; save it as .tif")
+        return np.asarray(image)
 
 
 def _read_tiff(file: Path) -> NDArray[Any]:
     """Return a TIFF's numbers."""
     import tifffile
 
-    return np.asarray(tifffile.imread(file))
+    image = np.asarray(tifffile.imread(file))
+    if image.size == 0:  # what is cut short in its header has no pages
+        raise ValueError("it has no pixels")
+    return image
 
 
 def _read_exr(file: Path) -> NDArray[Any]:

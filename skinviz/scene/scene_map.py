@@ -29,7 +29,10 @@ def mapped(
     """
     points: dict[Point, Any] = dict(table.get("map", {}))
     for row in table.get("point", []):
-        points[_place(row)] = row.get("skin", {})
+        place = _place(row)
+        if place in points:
+            raise DataError(f"[[skin.point]] says {place} twice; leave one out")
+        points[place] = row.get("skin", {})
     if not points:
         return skin
     if skin.values.ndim != 1:

@@ -16,8 +16,7 @@ from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan import topology
 from skinviz.scene.geodesics import Surface, surface_of
-from skinviz.scene.hand import measure_hand
-from skinviz.scene.landmarks import FINGERS, landmarks
+from skinviz.scene.landmarks import FINGERS, hand_of, landmarks
 from skinviz.scene.noise import network, smooth_noise
 from skinviz.scene.relief import Relief, require_seed
 from skinviz.scene.scene import Scene, Skin
@@ -37,6 +36,7 @@ _LIMITS = {
 }
 _PER_SIZE = 1.5  # edges in a spot's size, at least: fewer do not show it
 _MESH_ACROSS, _MESH_ALONG = 0.11, 0.26  # of the hand's length, cells between veins
+_OTHERWISE = "veins and knuckle_redness are for hands; leave them out"
 _CREASE = 2.5  # mm, over which a fold is felt
 _KNUCKLE = 0.035  # of the hand's length, the reach of its redness
 
@@ -182,9 +182,9 @@ def _knuckles(scene: Scene, surface: Surface, texture: SkinTexture) -> Array:
     """Return how much vertices (n,) belong to a knuckle or a finger's joint, 0 to 1."""
     if texture.knuckle_redness == 0:
         return np.zeros(len(surface.points))
+    reach = _KNUCKLE * hand_of(scene.mesh, _OTHERWISE).length
     found = landmarks(scene.mesh, surface)
     sites = [found[f"{f}_{place}"] for f in FINGERS for place in ("knuckle", "joint")]
-    reach = _KNUCKLE * measure_hand(scene.mesh).length
     nearness = np.exp(-0.5 * np.square(surface.distances(sites) / reach))
     return np.asarray(1 - np.prod(1 - nearness, axis=0))
 
@@ -208,7 +208,7 @@ def _veins(
     scene: Scene, surface: Surface, texture: SkinTexture, rng: np.random.Generator
 ) -> Array:
     """Return how much of a vein is under vertices (n,), 0 to 1."""
-    hand = measure_hand(scene.mesh)
+    hand = hand_of(scene.mesh, _OTHERWISE)
     frame, length = hand.frame, hand.length
     offset = surface.points - hand.wrist_centre
     across, along = offset @ frame.side, offset @ frame.fingers - hand.arm
