@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skinviz.errors import MeshError
 from skinviz.scan import topology
 from skinviz.scan.checks import require_triangles
 
@@ -99,6 +100,11 @@ class Surface:
                 found[own] = 0.0
                 continue
             distance = solver.compute_distance_multisource(place[own].tolist())
+            if not np.isfinite(distance).all():
+                raise MeshError(
+                    "distances along the mesh cannot be told, its triangles are too "
+                    "thin; clean it first: skinviz clean"
+                )
             found[used] = np.maximum(distance, 0.0)
         return found
 

@@ -22,6 +22,7 @@ Point = str | int | tuple[float, float, float]
 
 _FARTHEST = 5.0  # mm, from the mesh, that a point may be given
 _BEND = 15.0  # mm, over which a map bends at a point; farther away it is a membrane
+_SUM = 1e-3  # by which shares may miss 1 before they are scaled to it
 _SMALLEST_AREA = 1e-9  # mm²
 _SOFT = 0.05  # of a point's share, below which it fades out
 
@@ -142,14 +143,18 @@ def _smoothest(surface: Surface, sites: Whole, free: Whole) -> Array:
     stretch, area = surface.laplacian, np.maximum(surface.areas, _SMALLEST_AREA)
     energy = (stretch + _BEND**2 * stretch @ diags(1 / area) @ stretch).tocsc()
     rows = energy[free]
-    factors = splu(
-        rows[:, free].tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    fields = np.asarray(factors.solve(-rows[:, sites].toarray()))
-    if not np.isfinite(fields).all():
+    try:
+        factors = splu(
+            rows[:, free].tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        fields = np.asarray(factors.solve(-rows[:, sites].toarray()))
+    except RuntimeError:  # it is exactly singular
+        fields = np.full((free.size, len(sites)), np.nan)
+    # A wrong solution is told by this: all fields together are 1 everywhere.
+    if not np.abs(fields.sum(axis=1) - 1).max() < _SUM:
         raise MeshError(
             "the mesh's triangles are too thin to spread pigments over; clean it "
             "first: skinviz clean"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hands import coarse_hand, mirrored
 
-from meshes import moved, pose, sphere, toy_hand
+from meshes import joined, moved, pose, sphere, toy_hand
 from skinviz import hand_frame, landmarks, read_mesh
 from skinviz.errors import MeshError
 from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
@@ -96,3 +96,8 @@ def test_a_finer_mesh_has_them_at_the_same_places(found):
 def test_what_is_no_hand_is_refused(mesh, message):
     with pytest.raises(MeshError, match=message):
         landmarks(mesh)
+
+
+def test_an_island_beside_the_hand_changes_nothing(found):
+    away = np.asarray(coarse_hand().points).mean(axis=0) + np.array([60, 0, 0])
+    assert landmarks(joined(coarse_hand(), sphere(3.0, 2, away))) == found

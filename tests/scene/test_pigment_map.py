@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hands import coarse_hand
 
-from meshes import joined, plane, sphere, toy_hand
+from meshes import faces_of, joined, plane, sphere, toy_hand
 from skinviz import landmarks, pigment_map
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan import topology
@@ -148,3 +148,11 @@ def test_what_cannot_be_spread_is_refused(points, message):
 def test_names_need_a_hand():
     with pytest.raises(MeshError, match="fingers"):
         pigment_map(toy_hand(n_around=36, n_along=45), {"back": BACK})
+
+
+def test_triangles_too_thin_to_tell_anything_are_refused():
+    mesh = plane(21)
+    points = np.array(mesh.points)
+    points[210:231, 1] = points[189:210, 1] + 1e-7
+    with pytest.raises(MeshError, match="too thin"):
+        pigment_map(polydata(points, faces_of(mesh)), {0: [1.0], 440: [0.0]})
