@@ -11,15 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.errors import MeshError
-from skinviz.scan import topology
 from skinviz.scene.geodesics import Surface, surface_of
 from skinviz.scene.hand import Hand, measure_hand
+from skinviz.scene.peaks import ground_of, peaks_of
 
 if TYPE_CHECKING:
     import pyvista
 
 Array = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 FINGERS = ("thumb", "index", "middle", "ring", "little")
 """From the thumb's side to the other."""
@@ -156,7 +155,7 @@ def _fingers(surface: Surface, hand: Hand) -> dict[str, _Finger]:
     """Return the five fingers by name."""
     reach = surface.distance_to(hand.wrist)
     reach[~np.isfinite(reach)] = 0.0
-    tips, passes, into = _peaks(surface, reach)
+    tips, passes, into = peaks_of(surface, reach)
     kept = reach[tips] - passes > _LEAST_FINGER * hand.length
     if kept.sum() != len(FINGERS):
         raise MeshError(
@@ -174,7 +173,7 @@ def _fingers(surface: Surface, hand: Hand) -> dict[str, _Finger]:
     found = {}
     for name, k in zip(FINGERS, order, strict=True):
         tip, web = int(tips[k]), float(webs[k])
-        own = _of_peak(surface, reach, tip, web)
+        own = ground_of(surface, reach, tip, web)
         root = points[own & (reach < web + 0.25 * (reach[tip] - web))].mean(axis=0)
         axis = (points[tip] - root) / np.linalg.norm(points[tip] - root)
         # From the web's height along the axis, not along the curved skin.
@@ -191,55 +190,6 @@ def _nail_side(name: str, hand: Hand, axis: Array) -> Array:
         back = np.cos(_THUMB_TURN) * back + np.sin(_THUMB_TURN) * outwards
     across = back - (back @ axis) * axis
     return np.asarray(across / np.linalg.norm(across))
-
-
-def _peaks(surface: Surface, height: Array) -> tuple[Whole, Array, Whole]:
-    """Return the peaks (k,) of a height over the vertices, and how they are passed.
-
-    From each, the highest pass (k,) over which a higher peak is reached, and that
-    peak (k,); from the highest one, the lowest vertex and itself.
-    """
-    edges, _ = topology.edge_counts(surface.faces)
-    uphill = np.arange(len(height))
-    both = np.concatenate([edges, edges[:, ::-1]])
-    order = np.argsort(height[both[:, 1]], kind="stable")
-    own, other = both[order].T
-    best = np.full(len(height), -1)
-    best[own] = other  # the last one written is the highest neighbour
-    rises = (best >= 0) & (height[best] > height)
-    uphill[rises] = best[rises]
-    while (uphill[uphill] != uphill).any():
-        uphill = uphill[uphill]
-    a, b = uphill[edges].T
-    passes = np.minimum(height[edges[:, 0]], height[edges[:, 1]])
-    across = np.flatnonzero(a != b)
-    across = across[np.argsort(-passes[across], kind="stable")]
-    peaks = np.unique(uphill[edges])
-    low = dict.fromkeys(peaks.tolist(), float(height.min()))
-    head = {peak: peak for peak in low}
-
-    def top(peak: int) -> int:
-        while head[peak] != peak:
-            peak = head[peak]
-        return peak
-
-    for i in across.tolist():
-        one, two = top(int(a[i])), top(int(b[i]))
-        if one != two:
-            lower, higher = sorted((one, two), key=lambda p: (height[p], p))
-            head[lower], low[lower] = higher, float(passes[i])
-    order = peaks.tolist()
-    return peaks, np.array([low[p] for p in order]), np.array([head[p] for p in order])
-
-
-def _of_peak(
-    surface: Surface, height: Array, peak: int, low: float
-) -> NDArray[np.bool_]:
-    """Return which vertices (n,) belong to a peak's ground above a height."""
-    edges, _ = topology.edge_counts(surface.faces)
-    inside = (height[edges] > low).all(axis=1)
-    label = topology.components(len(height), edges[inside])
-    return np.asarray(label == label[peak])
 
 
 def _outermost(surface: Surface, hand: Hand, place: Array, towards: Array) -> int:

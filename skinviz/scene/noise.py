@@ -46,13 +46,30 @@ def smooth_noise(points: Array, size: float, rng: np.random.Generator) -> Array:
     return np.asarray(np.sqrt(2 / _WAVES) * out)
 
 
-def network(points: Array, seed: int) -> Array:
-    """Return how far points (n, 3) are from a network of walls (n,).
+def network(points: Array, cell: Array, seed: int) -> Array:
+    """Return how far places on a plane are from a network of walls (n,). [mm]
 
-    About one cell in each unit cube; near a wall the distance is exact to first order.
+    Parameters
+    ----------
+    points : (n, 2) ndarray
+        [mm]
+    cell : (2,) ndarray
+        About the size of the fields between walls. [mm]
+    seed : int
+        Which of all such networks.
+
+    Returns
+    -------
+    distance : (n,) ndarray
+        Exact to first order near a wall, along the plane. [mm]
     """
     from skinviz.scene.kernels import all_ridges
 
-    values, slopes = np.zeros(len(points)), np.zeros(points.shape)
-    all_ridges(np.ascontiguousarray(points), seed, values, slopes)
-    return np.asarray(values / np.maximum(np.linalg.norm(slopes, axis=1), 0.5))
+    places = np.full((len(points), 3), 0.5)  # through the middle of a layer of cells
+    places[:, :2] = points / cell
+    values, slopes = np.zeros(len(points)), np.zeros(places.shape)
+    all_ridges(places, seed, values, slopes)
+    slope = np.linalg.norm(slopes[:, :2] / cell, axis=1)
+    far = np.full_like(values, np.max(cell))
+    near = slope * np.max(cell) > values
+    return np.asarray(np.divide(values, slope, out=far, where=near))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import os
 import tomllib
@@ -13,16 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz._files import existing_file
-from skinviz._validate import one_of
 from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
 from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
 from skinviz.scene.scene import Scene
 from skinviz.scene.scene_lights import light_of
-from skinviz.scene.scene_map import mapped
+from skinviz.scene.scene_map import mapped, texture_of
 from skinviz.scene.scene_skin import skin_of
-from skinviz.scene.texture import SkinTexture, textured
+from skinviz.scene.texture import textured
 from skinviz.spectra.display_file import read_display
 from skinviz.surface.models import surface_model, surface_parameters
 from skinviz.surface.surface import Surface
@@ -150,16 +148,8 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
         **_settings(content),
         **_display(content.get("display", {}), folder),
     )
-    scene = textured(even, _texture(skin["texture"])) if "texture" in skin else even
+    scene = textured(even, texture_of(skin["texture"])) if "texture" in skin else even
     return scene.replace(skin=scene.skin.changed(**skin.get("change", {})))
-
-
-def _texture(table: dict[str, Any]) -> SkinTexture:
-    """Return the texture that [skin.texture] says."""
-    known = [field.name for field in dataclasses.fields(SkinTexture)]
-    for key in table:
-        one_of(key, known, "key in [skin.texture]")
-    return SkinTexture(**table)
 
 
 def _display(table: dict[str, Any], folder: Path) -> dict[str, Any]:

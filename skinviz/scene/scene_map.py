@@ -1,15 +1,18 @@
-"""The [skin.map] and [[skin.point]] of a scene file: skin that differs by place."""
+"""Skin that differs by place, as [skin.map] and the like of a scene file have it."""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from skinviz._validate import one_of
 from skinviz.errors import DataError
 from skinviz.scene.pigment_map import Point, pigment_map
 from skinviz.scene.scene import Skin
 from skinviz.scene.scene_skin import archive_fit, skin_from_fit_file
+from skinviz.scene.texture import SkinTexture
 
 if TYPE_CHECKING:
     import pyvista
@@ -47,6 +50,14 @@ def mapped(
     told = ", ".join(map(str, points))
     history = (*skin.history, f"spread along the surface from {told}")
     return Skin(skin.model, pigment_map(mesh, values), history)
+
+
+def texture_of(table: Mapping[str, Any]) -> SkinTexture:
+    """Return the texture that [skin.texture] says."""
+    known = [field.name for field in dataclasses.fields(SkinTexture)]
+    for key in table:
+        one_of(key, known, "key in [skin.texture]")
+    return SkinTexture(**table)
 
 
 def _place(row: Mapping[str, Any]) -> Point:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from skinviz._validate import in_range
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan import topology
+from skinviz.scene.anatomy import folds, knuckles, veins
 from skinviz.scene.geodesics import Surface, surface_of
-from skinviz.scene.landmarks import FINGERS, hand_of, landmarks
-from skinviz.scene.noise import network, smooth_noise
+from skinviz.scene.noise import smooth_noise
 from skinviz.scene.relief import Relief, require_seed
 from skinviz.scene.scene import Scene, Skin
 
@@ -35,10 +35,6 @@ _LIMITS = {
     "relief_mm": (0.05, 50.0, "mm"),
 }
 _PER_SIZE = 1.5  # edges in a spot's size, at least: fewer do not show it
-_MESH_ACROSS, _MESH_ALONG = 0.11, 0.26  # of the hand's length, cells between veins
-_OTHERWISE = "veins and knuckle_redness are for hands; leave them out"
-_CREASE = 2.5  # mm, over which a fold is felt
-_KNUCKLE = 0.035  # of the hand's length, the reach of its redness
 
 
 @dataclass(frozen=True)
@@ -73,7 +69,7 @@ class SkinTexture:
     blood_mottling: float = 0.0
     mottling_mm: float = 4.0
     veins: float = 0.0
-    vein_width_mm: float = 3.0
+    vein_width_mm: float = 4.0
     knuckle_redness: float = 0.0
     crease_redness: float = 0.0
     relief_um: float = 0.0
@@ -132,29 +128,28 @@ def textured(
     than it does after smoothing over 2.5 mm.
     """
     surface = surface or surface_of(scene.mesh)
-    relief = Relief(texture.relief_um, texture.relief_mm, texture.seed)
-    changed = scene.replace(relief=relief)
+    if texture.relief_um:
+        relief = Relief(texture.relief_um, texture.relief_mm, texture.seed)
+        scene = scene.replace(relief=relief)
     if not _wanted(texture):
-        return changed
+        return scene
     names = [parameter.name for parameter in scene.skin.model.parameters]
     n = scene.mesh.n_points
     values = np.array(np.broadcast_to(scene.skin.values, (n, len(names))))
     columns = {name: values[:, k] for k, name in enumerate(names)}
     _require_pigments(scene.skin, columns)
     _require_fine(surface, texture)
-    seeds = np.random.SeedSequence(texture.seed).spawn(4)
-    rngs = [np.random.default_rng(seed) for seed in seeds]
-    columns["w_m"] *= _mottles(surface, texture, texture.melanin_mottling, rngs[0])
-    blood = _mottles(surface, texture, texture.blood_mottling, rngs[1])
-    redness = 1 + texture.knuckle_redness * _knuckles(scene, surface, texture)
-    if texture.crease_redness:
-        redness += texture.crease_redness * _folds(surface)
-    columns["w_h"] *= blood * redness
+    of_melanin, of_blood, of_veins = np.random.SeedSequence(texture.seed).spawn(3)
+    size = texture.mottling_mm
+    blood = _mottles(surface, texture.blood_mottling, size, of_blood)
+    columns["w_m"] *= _mottles(surface, texture.melanin_mottling, size, of_melanin)
+    columns["w_h"] *= blood * _redness(scene, surface, texture)
     columns["w_dh"] *= blood
     if texture.veins:
-        columns["w_dh"] += texture.veins * _veins(scene, surface, texture, rngs[2])
+        width = texture.vein_width_mm
+        columns["w_dh"] += texture.veins * veins(scene.mesh, surface, width, of_veins)
     history = (*scene.skin.history, f"texture: {texture.told}")
-    return changed.replace(skin=Skin(scene.skin.model, values, history))
+    return scene.replace(skin=Skin(scene.skin.model, values, history))
 
 
 def _wanted(texture: SkinTexture) -> bool:
@@ -168,72 +163,24 @@ def _wanted(texture: SkinTexture) -> bool:
 
 
 def _mottles(
-    surface: Surface, texture: SkinTexture, amount: float, rng: np.random.Generator
+    surface: Surface, amount: float, size: float, seed: np.random.SeedSequence
 ) -> Array:
-    """Return factors (n,) of mean 1 with a relative standard deviation."""
+    """Return factors (n,) of mean 1, their standard deviation the amount."""
     if amount == 0:
         return np.ones(len(surface.points))
     sigma = np.sqrt(np.log1p(amount**2))  # of the logarithm
-    noise = smooth_noise(surface.points, texture.mottling_mm, rng)
+    noise = smooth_noise(surface.points, size, np.random.default_rng(seed))
     return np.asarray(np.exp(sigma * noise - sigma**2 / 2))
 
 
-def _knuckles(scene: Scene, surface: Surface, texture: SkinTexture) -> Array:
-    """Return how much vertices (n,) belong to a knuckle or a finger's joint, 0 to 1."""
-    if texture.knuckle_redness == 0:
-        return np.zeros(len(surface.points))
-    reach = _KNUCKLE * hand_of(scene.mesh, _OTHERWISE).length
-    found = landmarks(scene.mesh, surface)
-    sites = [found[f"{f}_{place}"] for f in FINGERS for place in ("knuckle", "joint")]
-    nearness = np.exp(-0.5 * np.square(surface.distances(sites) / reach))
-    return np.asarray(1 - np.prod(1 - nearness, axis=0))
-
-
-def _folds(surface: Surface) -> Array:
-    """Return how deep vertices (n,) lie in folds, 0 to 1.
-
-    By how far an even spread of 2.5 mm moves them outwards.
-    """
-    from scipy.sparse import diags
-    from scipy.sparse.linalg import splu
-
-    area = np.maximum(surface.areas, 1e-9)
-    system = (diags(area) + _CREASE**2 * surface.laplacian).tocsc()
-    spread = splu(system).solve(area[:, None] * surface.points)
-    depth = np.einsum("ij,ij->i", spread - surface.points, surface.normals)
-    return np.asarray(np.tanh(np.maximum(depth, 0) / _CREASE * 2))
-
-
-def _veins(
-    scene: Scene, surface: Surface, texture: SkinTexture, rng: np.random.Generator
-) -> Array:
-    """Return how much of a vein is under vertices (n,), 0 to 1."""
-    hand = hand_of(scene.mesh, _OTHERWISE)
-    frame, length = hand.frame, hand.length
-    offset = surface.points - hand.wrist_centre
-    across, along = offset @ frame.side, offset @ frame.fingers - hand.arm
-    bent = 0.02 * length
-    wander = [smooth_noise(surface.points, 0.08 * length, rng) for _ in range(2)]
-    across, bend = across + bent * wander[0], bent * wander[1]
-    stretch = _MESH_ALONG / _MESH_ACROSS
-    cell = _MESH_ACROSS * length
-    flat = np.stack([across, (along + bend) / stretch, np.zeros_like(across)], axis=1)
-    # One number of the seed, as a place in the network: of one plane of its cells.
-    start = rng.uniform(0, 1000, 3)
-    distance = cell * network(flat / cell + start, texture.seed)
-    half = texture.vein_width_mm / 2
-    vein = np.exp(-np.log(2) * np.square(distance / half))
-    facing = _step(surface.normals @ frame.back, 0.25, 0.8)
-    knuckles = 0.5 * length
-    reach = 1 - _step(along, knuckles - 0.12 * length, knuckles)
-    strength = _step(smooth_noise(surface.points, 0.12 * length, rng), -1.6, 0.0)
-    return np.asarray(vein * facing * reach * strength)
-
-
-def _step(values: Array, low: float, high: float) -> Array:
-    """Return 0 below a range, 1 above, and a smooth step between."""
-    x = np.clip((values - low) / (high - low), 0, 1)
-    return np.asarray(x * x * (3 - 2 * x))
+def _redness(scene: Scene, surface: Surface, texture: SkinTexture) -> Array:
+    """Return factors (n,) of w_h, above 1 at knuckles and in folds."""
+    factors = np.ones(len(surface.points))
+    if texture.knuckle_redness:
+        factors += texture.knuckle_redness * knuckles(scene.mesh, surface)
+    if texture.crease_redness:
+        factors += texture.crease_redness * folds(surface)
+    return factors
 
 
 def _require_pigments(skin: Skin, columns: dict[str, Array]) -> None:
