@@ -67,8 +67,9 @@ def paired_contrast(first: ArrayLike, second: ArrayLike) -> Contrast:
 
     Notes
     -----
-    Zero differences are ranked and their ranks left out [1]_; p is the normal
-    approximation's with ties corrected. The interval is that of the Walsh averages.
+    p is exact up to 50 pairs without ties; else the normal approximation's, ties
+    corrected, zero differences ranked and their ranks left out [1]_. The interval is
+    that of the Walsh averages.
 
     References
     ----------
@@ -95,7 +96,7 @@ def paired_contrast(first: ArrayLike, second: ArrayLike) -> Contrast:
     middle, interval = _walsh(gap)
     p = 1.0
     if gap.any():
-        p = float(wilcoxon(gap, zero_method="pratt", method="approx").pvalue)
+        p = float(wilcoxon(gap, zero_method="pratt", method="auto").pvalue)
     return Contrast(
         n=gap.size,
         difference=middle,

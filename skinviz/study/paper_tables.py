@@ -93,6 +93,22 @@ def table_2(
     return pd.DataFrame(rows)
 
 
+def in_papers_layout(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return Table II by method, sites down and weights across: "cotton, textbook"."""
+    blocks = {}
+    for (coefficients, model), own in table.groupby(
+        ["coefficients", "model"], sort=False
+    ):
+        rows = own.groupby(["subject", "site"], sort=False)
+        status = rows["status"].first().fillna("").str.replace("_", " ")
+        wide = own.pivot_table(
+            index=["subject", "site"], columns="parameter", values="value", sort=False
+        )
+        wide["status"] = status
+        blocks[f"{model}, {coefficients}"] = wide.reset_index()
+    return blocks
+
+
 def table_3(
     people: People, subjects: Mapping[str, int], methods: Sequence[Method]
 ) -> pd.DataFrame:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import math
 import os
 from dataclasses import dataclass
 from importlib import import_module
@@ -13,6 +11,7 @@ from typing import TYPE_CHECKING
 from skinviz._files import whole_files
 from skinviz._validate import in_range, one_of
 from skinviz.view.gallery.recipe import PRINT, FigureRecipe, Material, Settings
+from skinviz.view.gallery.text import as_csv
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -119,11 +118,10 @@ class GalleryFigure:
         return [where / name for name in names]
 
     def _words(self) -> str:
-        """Return the caption, under it the tables if they are all there is."""
-        if self.recipe.draw is not None:
+        """Return the caption, under it the table if that is all there is."""
+        if self.recipe.tell is None:
             return self.caption
-        told = (as_text(table) for table in self.tables.values())
-        return "\n".join([self.caption, *told])
+        return f"{self.caption}\n{self.recipe.tell(self.material)}"
 
 
 def figure(
@@ -186,29 +184,3 @@ def settings_for(
     in_range(seed, 0, 2**32, "seed")
     inches = recipe.width if width is None else width / _MM
     return Settings(inches, int(dots), int(seed))
-
-
-def as_csv(table: pd.DataFrame) -> str:
-    """Return a table as CSV, numbers in as many digits as mean something."""
-    text = io.StringIO()
-    table.to_csv(text, index=False, float_format="%.6g", lineterminator="\n")
-    return text.getvalue()
-
-
-def as_text(table: pd.DataFrame) -> str:
-    """Return a table in aligned columns."""
-    cells = [[str(name) for name in table.columns]]
-    cells += [[_told(value) for value in row] for row in table.itertuples(index=False)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    lines = (
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        for row in cells
-    )
-    return "\n".join(line.rstrip() for line in lines) + "\n"
-
-
-def _told(value: object) -> str:
-    """Return a cell as text; "" for what is missing."""
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.4g}"
-    return str(value)

@@ -137,8 +137,9 @@ class FigureRecipe:
     data : callable
         From settings to material.
     draw : callable, optional
-        From material and settings to a figure, within ``rc_context(STYLE)``. None: a
-        table alone, written as CSV and as text.
+        From material and settings to a figure, within ``rc_context(STYLE)``.
+    tell : callable, optional
+        From material to text, of what is a table and has no figure.
     width : float
         Its own. [inches]
     suffixes : tuple of str
@@ -150,6 +151,7 @@ class FigureRecipe:
     sources: tuple[Source, ...]
     data: Callable[[Settings], Material]
     draw: Callable[[Material, Settings], Figure] | None = None
+    tell: Callable[[Material], str] | None = None
     width: float = PAGE
     suffixes: tuple[str, ...] = (".png", ".svg", ".pdf")
 

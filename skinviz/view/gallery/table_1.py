@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from skinviz.study import paper_tables
 from skinviz.view.gallery.recipe import THICKNESS, FigureRecipe, Material, Settings
+from skinviz.view.gallery.text import as_text
 
 
 def data(_: Settings) -> Material:
@@ -20,4 +21,5 @@ RECIPE = FigureRecipe(
     title="Table I: thickness of the layers of skin",
     sources=(THICKNESS,),
     data=data,
+    tell=lambda material: as_text(material.table),
 )

@@ -16,6 +16,7 @@ from skinviz.view.gallery.recipe import (
     Material,
     Settings,
 )
+from skinviz.view.gallery.text import as_text
 
 
 def data(_: Settings) -> Material:
@@ -44,9 +45,20 @@ def data(_: Settings) -> Material:
     )
 
 
+def tell(material: Material) -> str:
+    """Return the weights in the paper's layout, a block a method, and the tests."""
+    blocks = [
+        *paper_tables.in_papers_layout(material.table).items(),
+        ("orders", material.tables["orders"]),
+        ("claims", material.tables["claims"]),
+    ]
+    return "\n".join(f"{title}\n\n{as_text(table)}" for title, table in blocks)
+
+
 RECIPE = FigureRecipe(
     name="table-2",
     title="Table II: pigment weights by body site",
     sources=(ISSA, EFFECTIVE, TEXTBOOK),
     data=data,
+    tell=tell,
 )

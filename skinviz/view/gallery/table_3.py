@@ -16,6 +16,7 @@ from skinviz.view.gallery.recipe import (
     Material,
     Settings,
 )
+from skinviz.view.gallery.text import as_text
 
 
 def data(_: Settings) -> Material:
@@ -36,4 +37,5 @@ RECIPE = FigureRecipe(
     title="Table III: errors of fitted spectra",
     sources=(ISSA, EFFECTIVE, TEXTBOOK),
     data=data,
+    tell=lambda material: as_text(material.table),
 )
