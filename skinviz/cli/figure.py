@@ -44,7 +44,7 @@ def figure(
     out
         Folder to write into; made if it does not exist.
     size
-        Width in mm, 80 to 1000; each figure's own if not said, 89 or 183.
+        Width in mm, 50 to 1000; each figure's own if not said, 89 or 183.
     dots
         Per inch, of pictures.
     seed

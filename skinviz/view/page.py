@@ -33,7 +33,7 @@ STYLE: dict[Any, Any] = {
 }
 """Matplotlib's settings for all that is drawn on a page: use ``rc_context``."""
 
-NARROWEST, WIDEST = 2.4, 40.0
+NARROWEST, WIDEST = 1.9, 40.0
 """Widths that a page may have. [inches]"""
 
 EDGE = 0.08
@@ -185,7 +185,7 @@ def lay_out(
     Parameters
     ----------
     width : float
-        Of the figure. [inches], 2.4 to 40
+        Of the figure. [inches], 1.9 to 40
     blocks : sequence of Cells
         From the top.
     title, caption : str
@@ -260,6 +260,27 @@ def fitting_size(lines: Sequence[str], width: float, largest: float) -> float:
     """Return the letters' size [points] at which lines fit into some inches."""
     letters = max(map(len, lines), default=0)
     return min(largest, width * 72 / (_EM * max(letters, 1)))
+
+
+def in_cells(
+    labels: Sequence[str], width: float, size: float
+) -> tuple[list[str], float]:
+    """Return labels wrapped so that they stand side by side, and their letters' size.
+
+    Parameters
+    ----------
+    labels : sequence of str
+        One line each.
+    width : float
+        That they share. [inches]
+    size : float
+        Of letters, at most. [points]
+    """
+    room = 0.94 * width / len(labels)
+    letters = max(int(room * 72 / (_EM * size)), 7)
+    told = ["\n".join(textwrap.wrap(label, letters)) for label in labels]
+    lines = [line for label in told for line in label.splitlines()]
+    return told, fitting_size(lines, room, size)
 
 
 def _legend_columns(labels: Sequence[str], room: float) -> int:

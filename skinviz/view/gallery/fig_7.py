@@ -86,7 +86,7 @@ def draw(material: Material, settings: Settings) -> Figure:
                 (1.7, 0.6, 0.32, 3 * ROW),
                 gap=0.1,
                 least=1.65,
-                margins=Margins(left=0.62, bottom=0.1),
+                margins=Margins(left=0.68, bottom=0.1),
             )
         ],
         title=RECIPE.title,
@@ -106,6 +106,7 @@ def draw(material: Material, settings: Settings) -> Figure:
         curves.set(title=site, ylim=(0, top))
         _residuals(residuals, own)
         residuals.set_ylim(-spread, spread)
+        page.figure.align_ylabels([curves, residuals])
         swatch_rows(colours, _swatches(fits[fits["site"] == site]))
     page.legend(handles, labels)
     return page.figure

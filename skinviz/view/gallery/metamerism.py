@@ -19,7 +19,7 @@ from skinviz.view.gallery.recipe import (
     Material,
     Settings,
 )
-from skinviz.view.page import Cells, Margins, lay_out
+from skinviz.view.page import Cells, Margins, in_cells, inches_of, lay_out
 from skinviz.view.panels import wavelength_axis
 from skinviz.view.spectra_panels import srgb_of
 from skinviz.view.styles import LINES
@@ -174,8 +174,10 @@ def _colours(axes: Axes, own: pd.DataFrame) -> None:
     axes.imshow(rgb, aspect="auto", extent=(0, len(lights), 0, 2))
     apart = sides[0]["delta_e_00"].to_numpy()
     ticks = np.arange(len(lights)) + 0.5
-    labels = [f"{light}\n{d:.1f}" for light, d in zip(lights, apart, strict=True)]
-    axes.set_xticks(ticks, labels, fontsize=5.5)
+    told, size = in_cells(lights, inches_of(axes)[0], 6.5)
+    axes.set_xticks(ticks, told, fontsize=size)
+    for x, d in zip(ticks, apart, strict=True):
+        axes.text(x, 1.5, f"{d:.1f}", ha="center", va="center", fontsize=6.5)
     axes.set_yticks([])
     axes.tick_params(length=0, pad=2)
 
