@@ -70,8 +70,8 @@ class Cells:
         How many cells.
     heights : tuple of float
         Of a cell's panels, from the top. [inches]; negative: in panel widths
-    gap : float
-        Between the panels of a cell. [inches]
+    gap : float or tuple of float
+        Between the panels of a cell, the same or each. [inches]
     least : float
         Width of a panel under which there are fewer cells in a row. [inches]
     margins : Margins
@@ -84,11 +84,18 @@ class Cells:
 
     n: int
     heights: tuple[float, ...] = (2.0,)
-    gap: float = 0.12
+    gap: float | tuple[float, ...] = 0.12
     least: float = 1.9
     margins: Margins = Margins()
     most: int | None = None
     indent: float = 0.0
+
+    @property
+    def gaps(self) -> tuple[float, ...]:
+        """What is left free under each panel of a cell but the last. [inches]"""
+        if isinstance(self.gap, tuple):
+            return self.gap
+        return (self.gap,) * (len(self.heights) - 1)
 
     def columns(self, room: float) -> int:
         """Return how many cells stand side by side in some inches."""
@@ -108,8 +115,7 @@ class Cells:
     def height(self, room: float) -> float:
         """Return the height of the block in some inches of width."""
         rows = -(-self.n // self.columns(room))
-        heights = self.sizes(room)[1]
-        stack = sum(heights) + self.gap * (len(heights) - 1)
+        stack = sum(self.sizes(room)[1]) + sum(self.gaps)
         return rows * (self.margins.top + stack + self.margins.bottom)
 
     def boxes(self, room: float) -> Iterator[list[tuple[float, float, float, float]]]:
@@ -122,9 +128,9 @@ class Cells:
             left = self.indent + column * cell + self.margins.left
             top = row * self.height(room) / rows + self.margins.top
             stack = []
-            for tall in heights:
+            for tall, free in zip(heights, (*self.gaps, 0.0), strict=True):
                 stack.append((left, top, width, tall))
-                top += tall + self.gap
+                top += tall + free
             yield stack
 
 

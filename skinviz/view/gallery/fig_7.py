@@ -83,8 +83,8 @@ def draw(material: Material, settings: Settings) -> Figure:
         [
             Cells(
                 len(SITES),
-                (1.7, 0.6, 0.32, 3 * ROW),
-                gap=0.1,
+                (1.7, 0.6, 3 * ROW),
+                gap=(0.1, 0.52),
                 least=1.65,
                 margins=Margins(left=0.68, bottom=0.1),
             )
@@ -97,10 +97,7 @@ def draw(material: Material, settings: Settings) -> Figure:
     top = 1.05 * table[["measured", *_MODELS]].to_numpy().max()
     apart = table[[*_MODELS]].to_numpy() - table[["measured"]].to_numpy()
     spread = 1.1 * np.abs(apart).max()
-    for site, (curves, residuals, gap, colours) in zip(
-        SITES, page.blocks[0], strict=True
-    ):
-        gap.set_axis_off()
+    for site, (curves, residuals, colours) in zip(SITES, page.blocks[0], strict=True):
         own = table[table["site"] == site]
         handles = _curves(curves, own)
         curves.set(title=site, ylim=(0, top))

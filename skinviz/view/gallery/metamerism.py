@@ -99,22 +99,20 @@ def draw(material: Material, settings: Settings) -> Figure:
     page = lay_out(
         settings.width,
         [
-            Cells(1 + _SHOWN, (1.5, 0.42, 0.55), gap=0.05, least=1.5, margins=_AROUND),
+            Cells(1 + _SHOWN, (1.5, 0.55), gap=0.52, least=1.5, margins=_AROUND),
         ],
         title=RECIPE.title,
         legend=["one skin of a pair", "the other"],
         caption=RECIPE.credit,
     )
     summary = material.table
-    (boxes, *rest), *cells = page.blocks[0]
-    for axes in rest:
-        axes.set_axis_off()
+    (boxes, unused), *cells = page.blocks[0]
+    unused.set_axis_off()
     boxes_panel(boxes, summary, list(summary["light"]))
     boxes.set(title="all matching pairs", ylabel="ΔE00", ylim=(0, None))
     pairs, spectra = material.tables["pairs"], material.tables["spectra"]
     top = 1.05 * spectra.drop(columns="wavelength_nm").to_numpy().max()
-    for k, (curves, gap, colours) in enumerate(cells, 1):
-        gap.set_axis_off()
+    for k, (curves, colours) in enumerate(cells, 1):
         own = pairs[pairs["pair"] == k]
         for side, style in zip("ab", LINES, strict=False):
             curves.plot(
