@@ -255,6 +255,12 @@ def write(
         )
 
 
+def align_ylabels(panels: Sequence[Axes], distance: float = 0.46) -> None:
+    """Set the labels of upward axes some inches to the left of their panels."""
+    for axes in panels:
+        axes.yaxis.set_label_coords(-distance / inches_of(axes)[0], 0.5)
+
+
 def inches_of(axes: Axes) -> tuple[float, float]:
     """Return the width and height of axes in inches."""
     box, across = axes.get_position(), axes.figure.dpi_scale_trans.inverted()

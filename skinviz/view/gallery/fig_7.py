@@ -17,7 +17,7 @@ from skinviz.view.gallery.recipe import (
     Material,
     Settings,
 )
-from skinviz.view.page import Cells, Margins, lay_out
+from skinviz.view.page import Cells, Margins, align_ylabels, lay_out
 from skinviz.view.panels import wavelength_axis
 from skinviz.view.spectra_panels import ROW, Swatch, srgb_of, swatch_rows
 from skinviz.view.styles import Line
@@ -86,7 +86,7 @@ def draw(material: Material, settings: Settings) -> Figure:
                 (1.7, 0.6, 3 * ROW),
                 gap=(0.1, 0.52),
                 least=1.65,
-                margins=Margins(left=0.68, bottom=0.1),
+                margins=Margins(left=0.72, bottom=0.1),
             )
         ],
         title=RECIPE.title,
@@ -103,7 +103,7 @@ def draw(material: Material, settings: Settings) -> Figure:
         curves.set(title=site, ylim=(0, top))
         _residuals(residuals, own)
         residuals.set_ylim(-spread, spread)
-        page.figure.align_ylabels([curves, residuals])
+        align_ylabels([curves, residuals], 0.54)
         swatch_rows(colours, _swatches(fits[fits["site"] == site]))
     page.legend(handles, labels)
     return page.figure
