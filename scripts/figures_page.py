@@ -17,7 +17,7 @@ from skinviz._files import whole_file
 from skinviz.view.gallery.catalogue import NAMES, GalleryFigure
 
 DOCS = Path(__file__).parents[1] / "docs"
-DOTS = 110  # per inch
+DOTS = 100  # per inch
 SHOWN = (
     *("1a", "1b", "5", "7", "8", "9", "10"),
     *("uncertainty", "population", "metamerism", "metameric-lights"),
@@ -32,7 +32,7 @@ def small(own: GalleryFigure) -> str:
 
 
 def picture(own: GalleryFigure, folder: Path) -> None:
-    """Write a small picture: of hands as JPEG, of a plot as PNG in 256 colours."""
+    """Write a small picture: of hands as JPEG, of a plot as PNG."""
     drawn = own.draw()
     memory = io.BytesIO()
     drawn.savefig(memory, format="png", dpi=DOTS)
@@ -41,7 +41,6 @@ def picture(own: GalleryFigure, folder: Path) -> None:
         if partial.suffix == ".jpg":
             image.save(partial, quality=88, subsampling=0, optimize=True)
         else:
-            image = image.quantize(256, dither=Image.Dither.NONE)
             image.save(partial, optimize=True)
 
 

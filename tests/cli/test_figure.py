@@ -41,6 +41,7 @@ def test_the_list_tells_all(capsys):
     [
         (["77", "--out", "x"], "unknown figure '77'"),
         (["populaton", "--out", "x"], "did you mean 'population'"),
+        (["all", "77", "--out", "x"], "unknown figure '77'"),
         ([], "name a figure, or all"),
         (["7"], "--out"),
         (["7", "--out", "x", "--size", "20"], "width of a figure"),
