@@ -18,6 +18,7 @@ from skinviz.view.gallery.catalogue import NAMES, GalleryFigure
 
 DOCS = Path(__file__).parents[1] / "docs"
 DOTS = 100  # per inch
+LARGEST = 150_000  # bytes of a PNG with all its colours
 SHOWN = (
     *("1a", "1b", "5", "7", "8", "9", "10"),
     *("uncertainty", "population", "metamerism", "metameric-lights"),
@@ -33,15 +34,17 @@ def small(own: GalleryFigure) -> str:
 
 def picture(own: GalleryFigure, folder: Path) -> None:
     """Write a small picture: of hands as JPEG, of a plot as PNG."""
-    drawn = own.draw()
     memory = io.BytesIO()
-    drawn.savefig(memory, format="png", dpi=DOTS)
+    own.draw().savefig(memory, format="png", dpi=DOTS)
     image = Image.open(memory).convert("RGB")
+    plot = small(own).endswith(".png")
+    if plot and memory.tell() > LARGEST:  # clouds of points: 256 colours are enough
+        image = image.quantize(256, dither=Image.Dither.NONE)
     with whole_file(folder / small(own)) as partial:
-        if partial.suffix == ".jpg":
-            image.save(partial, quality=88, subsampling=0, optimize=True)
-        else:
+        if plot:
             image.save(partial, optimize=True)
+        else:
+            image.save(partial, quality=88, subsampling=0, optimize=True)
 
 
 def section(own: GalleryFigure) -> str:
