@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from skinviz.spectra.colorimetry import (
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.transforms import Bbox
 
 Array = NDArray[np.float64]
 
@@ -92,8 +94,8 @@ def wavelength_axis(axes: Axes, *, labelled: bool = True) -> None:
     if not labelled:
         axes.tick_params(axis="x", labelbottom=False)
         return
-    points = 72 / axes.figure.dpi * axes.get_window_extent().height
-    strip = axes.inset_axes((0.0, -_STRIP / points, 1.0, _STRIP / points))
+    strip = axes.inset_axes((0.0, 0.0, 1.0, 0.0))
+    strip.set_axes_locator(partial(_under, axes))
     strip.imshow(
         spectral_colours(np.linspace(*_VISIBLE, 301))[None],
         aspect="auto",
@@ -102,6 +104,15 @@ def wavelength_axis(axes: Axes, *, labelled: bool = True) -> None:
     strip.set_axis_off()
     axes.tick_params(axis="x", length=0, pad=_STRIP + 3)
     axes.set_xlabel("wavelength (nm)", labelpad=2)
+
+
+def _under(axes: Axes, *_: Any) -> Bbox:
+    """Return where the strip under axes is, whatever their size has become."""
+    from matplotlib.transforms import Bbox
+
+    box = axes.get_position()
+    height = _STRIP / 72 * axes.figure.dpi / axes.figure.bbox.height
+    return Bbox.from_bounds(box.x0, box.y0 - height, box.width, height)
 
 
 def spectral_colours(wavelengths: Array) -> Array:
