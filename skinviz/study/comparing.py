@@ -1,4 +1,4 @@
-"""Comparing the levels of one factor of a study: sites, conditions, groups, subjects."""
+"""Comparing the levels of a factor of a study: site, condition, group, subject."""
 
 from __future__ import annotations
 
@@ -166,7 +166,8 @@ def _groups(study: Study, by: str, values: Array) -> list[_Group]:
     """Return the units by stratum and level, both in the study's order."""
     data = study.spectra
     labels = {
-        key: data[key].values.astype(str) for key in ("site", "condition", "subject")
+        key: list(map(str, data[key].values))
+        for key in ("site", "condition", "subject")
     }
     strata = [
         Stratum("" if by == "site" else site, "" if by == "condition" else condition)
@@ -180,7 +181,7 @@ def _groups(study: Study, by: str, values: Array) -> list[_Group]:
     for i, key in enumerate(zip(strata, data[by].values.astype(str), strict=True)):
         rows[key].append(i)
     repeats = np.array([f"repeat {number}" for number in data["repeat"].values])
-    names = repeats if by == "subject" else labels["subject"]
+    names = repeats if by == "subject" else np.array(labels["subject"])
     groups = []
     for (stratum, level), own in rows.items():
         if not own:
@@ -192,7 +193,7 @@ def _groups(study: Study, by: str, values: Array) -> list[_Group]:
             _Group(
                 stratum=stratum,
                 level=level,
-                site=str(labels["site"][own[0]]),
+                site=labels["site"][own[0]],
                 units=units,
                 origins=tuple(map(str, data["origin"].values[own][first])),
                 values=set_means(values[own], which, len(units)),
@@ -292,12 +293,14 @@ def _corrected(contrasts: Sequence[Contrast]) -> tuple[Contrast, ...]:
 def _colour_difference(first: Cell, second: Cell) -> ColourDifference:
     """Return how far apart the colours of two cells' mean spectra are."""
     apart = delta_e_2000(measured_lab(first.fit), measured_lab(second.fit))
+    fitted = delta_e_2000(first.colour.lab, second.colour.lab)
     low, high = difference_interval(first.colour, second.colour)
     return ColourDifference(
         first.stratum,
         first.level,
         second.level,
         float(apart),
+        float(fitted),
         float(low),
         float(high),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,15 +114,18 @@ class ColourDifference:
         The levels.
     delta_e : float
         ΔE00 of the mean spectra as measured.
+    fitted : float
+        ΔE00 of the fits to them.
     low, high : float
-        95 % interval of ΔE00 that the covariances of both fits allow; NaN if there
-        is no fit.
+        95 % interval of ``fitted`` that the covariances of both fits allow; NaN if
+        there is no fit.
     """
 
     stratum: Stratum
     first: str
     second: str
     delta_e: float
+    fitted: float
     low: float
     high: float
 
@@ -174,6 +177,16 @@ class Comparison:
     def strata(self) -> tuple[Stratum, ...]:
         """The strata, in the study's order."""
         return tuple(dict.fromkeys(cell.stratum for cell in self.cells))
+
+    def require_whole(self) -> None:
+        """Raise if anything is missing, was left out or was changed.
+
+        Raises
+        ------
+        DataError
+            Says how many gaps there are, and the first.
+        """
+        replace(self.study, gaps=self.gaps).raise_for_gaps()
 
     def row(self, stratum: Stratum) -> tuple[Cell, ...]:
         """Return the cells of one stratum."""

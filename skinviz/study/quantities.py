@@ -40,12 +40,12 @@ _WORDS = {
 }
 
 _DERIVED = (
-    Quantity("w_m_depth", "mm", "melanin weight times epidermis, w_m·D_e"),
+    Quantity("w_m_depth", "mm", "melanin times its layer, w_m·D_e"),
     Quantity("blood_fraction", "1", "blood, w_h + w_dh"),
-    Quantity("oxygen_saturation", "1", "w_h/(w_h + w_dh); none without blood"),
-    Quantity("L", "1", "L* under D65, 2° observer"),
-    Quantity("a", "1", "a* under D65, 2° observer"),
-    Quantity("b", "1", "b* under D65, 2° observer"),
+    Quantity("oxygen_saturation", "1", "saturation, w_h/(w_h + w_dh)"),
+    Quantity("L*", "1", "L* under D65, 2° observer"),
+    Quantity("a*", "1", "a* under D65, 2° observer"),
+    Quantity("b*", "1", "b* under D65, 2° observer"),
     Quantity("ITA", "°", "individual typology angle"),
 )
 

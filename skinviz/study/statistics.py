@@ -108,7 +108,7 @@ def mean_interval(values: ArrayLike) -> Mean:
     if n == 1:
         return Mean(1, mean, None, None, None)
     deviation = float(own.std(ddof=1))
-    half = _quantile(n - 1) * deviation / np.sqrt(n)
+    half = _quantile(n - 1) * deviation / float(np.sqrt(n))
     return Mean(n, mean, deviation, mean - half, mean + half)
 
 
@@ -137,7 +137,7 @@ def paired_difference(first: ArrayLike, second: ArrayLike) -> Difference:
     if found.deviation <= _ROUNDING * scale:
         return _untested(PAIRED, (n, n), found.mean, COHEN, ALIKE)
     effect = found.mean / found.deviation
-    p = _two_sided(effect * np.sqrt(n), n - 1)
+    p = _two_sided(effect * float(np.sqrt(n)), n - 1)
     return Difference(
         PAIRED, (n, n), found.mean, found.low, found.high, COHEN, effect, p
     )
