@@ -8,21 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from skinviz.cli.arguments import Whole
-from skinviz.cli.output import Steps, progress_bar, say, say_files, say_json
+from skinviz.cli.output import Steps, progress_bar, say_files, say_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from skinviz.study.comparison import Comparison
     from skinviz.study.study import Study
-
-TITLES = {
-    "hands": "Hands",
-    "colours": "Colours",
-    "weights": "Weights",
-    "spectra": "Spectra",
-}
-"""What the report calls each figure."""
 
 
 def compare(
@@ -36,6 +28,7 @@ def compare(
     site: tuple[str, ...] = (),
     origin: tuple[str, ...] = (),
     sex: tuple[str, ...] = (),
+    like: tuple[str, ...] = (),
     level: tuple[str, ...] = (),
     model: str = "two-layer",
     coefficients: str = "effective",
@@ -74,6 +67,9 @@ def compare(
         Only spectra that this laboratory of the archive measured.
     sex
         Only people of this sex in the archive, F or M.
+    like
+        SITE=SITE, as palm=cheek, for a site of the archive that Table I lacks: whose
+        thickness of skin to take; once for each.
     level
         Only this level of what is compared; once for each.
     model
@@ -92,6 +88,7 @@ def compare(
     json
         Print what was found as JSON.
     """
+    from skinviz.cli.compare_output import say_comparison, write_comparison
     from skinviz.errors import SkinvizError
     from skinviz.spectra.illuminants import as_illuminant
     from skinviz.study.comparing import compare_study
@@ -104,7 +101,7 @@ def compare(
     choice = {"group": group, "site": site, "origin": origin, "sex": sex}
     with progress_bar(4 + (not no_hands)) as begin:
         begin("read")
-        given = _given(study, archive, choice)
+        given = _given(study, archive, choice, like)
         begin("fit")
         found = compare_study(
             given,
@@ -132,12 +129,15 @@ def compare(
         told = {**as_data(found), "notes": list(notes)}
         say_json({**told, "files": [str(file) for file in files]})
         return
-    _say(found, notes)
+    say_comparison(found, notes)
     say_files(files)
 
 
 def _given(
-    folder: Path | None, archive: str | None, choice: dict[str, tuple[str, ...]]
+    folder: Path | None,
+    archive: str | None,
+    choice: dict[str, tuple[str, ...]],
+    like: tuple[str, ...],
 ) -> Study:
     """Return the study in a folder or an archive, whichever is named."""
     from skinviz.errors import ArgumentError
@@ -148,14 +148,27 @@ def _given(
         raise ArgumentError("name one: the folder of a study, or --archive")
     asked: dict[str, Any] = {key: words for key, words in choice.items() if words}
     if archive is not None:
-        return archive_study(archive, **asked)
+        return archive_study(archive, **asked, sites=_likes(like))
     assert folder is not None  # noqa: S101 - one of the two is named
-    if asked:
+    if asked or like:
         raise ArgumentError(
-            f"--{next(iter(asked))} chooses from an --archive; of a study choose "
-            "levels with --level, or leave records out of its list"
+            f"--{next(iter(asked), 'like')} is for an --archive; of a study choose "
+            "levels with --level, and say the rest in its study.toml"
         )
     return read_study(folder)
+
+
+def _likes(words: tuple[str, ...]) -> dict[str, dict[str, str]]:
+    """Return SITE=SITE words by the first site."""
+    from skinviz.errors import ArgumentError
+
+    likes = {}
+    for word in words:
+        site, mark, other = (part.strip() for part in word.partition("="))
+        if not (site and mark and other):
+            raise ArgumentError(f"--like takes SITE=SITE; got {word!r}")
+        likes[site] = {"like": other}
+    return likes
 
 
 def _hands(
@@ -172,74 +185,3 @@ def _hands(
         advance=begin.counting(len(found.cells)),
     )
     return made.figure, made.notes
-
-
-def write_comparison(
-    folder: Path,
-    found: Comparison,
-    figures: dict[str, Figure],
-    notes: tuple[str, ...],
-) -> list[Path]:
-    """Write tables, figures and the report into a folder: all of them or none."""
-    import json
-
-    from skinviz import __version__
-    from skinviz._files import whole_files
-    from skinviz.study import comparison_tables as tables
-    from skinviz.study.comparison_report import report
-    from skinviz.view.figures import save_figure
-
-    pictures = {f"{TITLES[name]}": f"{name}.png" for name in TITLES if name in figures}
-    texts = {
-        "report.md": report(found, pictures, notes, __version__),
-        "means.csv": tables.as_csv(tables.mean_rows(found)),
-        "differences.csv": tables.as_csv(tables.difference_rows(found)),
-        "colours.csv": tables.as_csv(tables.colour_rows(found)),
-        "levels.csv": tables.as_csv(tables.level_rows(found)),
-        "spectra.csv": tables.as_csv(tables.spectrum_rows(found)),
-        "gaps.csv": tables.as_csv(tables.gap_rows(found.gaps)),
-        "comparison.json": json.dumps(
-            {**tables.as_data(found), "notes": list(notes)}, indent=2, allow_nan=False
-        )
-        + "\n",
-    }
-    drawn = {
-        f"{name}.{suffix}": figure
-        for name, figure in figures.items()
-        for suffix in ("png", "svg")
-    }
-    files = [folder / name for name in (*texts, *drawn)]
-    with whole_files(*files) as partials:
-        for partial, text in zip(partials, texts.values(), strict=False):
-            partial.write_text(text, "utf-8")
-        for partial, figure in zip(partials[len(texts) :], drawn.values(), strict=True):
-            save_figure(figure, partial)
-    return files
-
-
-def _say(found: Comparison, notes: tuple[str, ...]) -> None:
-    """Say what was compared, the weights, and how much differs and is missing."""
-    from skinviz.cli.text_table import Column, table
-    from skinviz.study.comparison_report import mean_text
-
-    say(f"{found.study.title}: {found.study.spectra.sizes['record']} spectra")
-    n_weights = len(found.cells[0].fit.parameters)
-    for stratum in found.strata:
-        cells = found.row(stratum)[:40]
-        columns = [Column("n", [str(len(cell.units)) for cell in cells])]
-        columns += [
-            Column(quantity.name, [mean_text(cell.means[k]) for cell in cells])
-            for k, quantity in enumerate(found.quantities[:n_weights])
-        ]
-        for line in table(str(stratum), [cell.level for cell in cells], columns):
-            say(line)
-    tested = [c.p_holm for c in found.contrasts if c.p_holm is not None]
-    sure = sum(p < 0.05 for p in tested)
-    say(
-        f"{sure} of {len(tested)} differences tested have p < 0.05 after Holm's "
-        f"correction; {len(found.contrasts) - len(tested)} cannot be tested"
-    )
-    if found.gaps:
-        say(f"gaps: {len(found.gaps)}, the first {found.gaps[0]}; gaps.csv has all")
-    for note in notes:
-        say(f"note: {note}")

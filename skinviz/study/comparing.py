@@ -16,25 +16,12 @@ from skinviz.skin.fit import fit_skin
 from skinviz.skin.model import SkinModel
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.archive_selection import set_means
-from skinviz.spectra.colorimetry import delta_e_2000
-from skinviz.study.colour_error import ColourError, colour_error, difference_interval
-from skinviz.study.comparison import (
-    Cell,
-    ColourDifference,
-    Comparison,
-    Contrast,
-    Stratum,
-)
-from skinviz.study.quantities import Measured, Quantity, measure, measured_lab
+from skinviz.study.colour_error import ColourError, colour_error
+from skinviz.study.comparison import Cell, Comparison, Stratum
+from skinviz.study.contrasts import colour_difference, contrasts_of, corrected
+from skinviz.study.quantities import Measured, measure
 from skinviz.study.records import without
-from skinviz.study.statistics import (
-    Difference,
-    difference_within,
-    holm,
-    mean_interval,
-    paired_difference,
-    unpaired_difference,
-)
+from skinviz.study.statistics import mean_interval
 from skinviz.study.study import FACTORS, Gap, Study
 
 Array = NDArray[np.float64]
@@ -104,7 +91,7 @@ def compare_study(
     if len(named) <= MOST_LEVELS:
         for stratum in dict.fromkeys(cell.stratum for cell in cells):
             pairs += combinations([c for c in cells if c.stratum == stratum], 2)
-    contrasts = [c for pair in pairs for c in _contrasts(*pair, by, found.quantities)]
+    contrasts = [c for pair in pairs for c in contrasts_of(*pair, by, found.quantities)]
     return Comparison(
         study=fitted,
         by=by,
@@ -112,8 +99,8 @@ def compare_study(
         unit="repeat" if by == "subject" else "subject",
         quantities=found.quantities,
         cells=tuple(cells),
-        contrasts=_corrected(contrasts),
-        colours=tuple(_colour_difference(*pair) for pair in pairs),
+        contrasts=corrected(contrasts),
+        colours=tuple(colour_difference(*pair) for pair in pairs),
         gaps=(*study.gaps, *unnamed, *refused),
         model=model,
         coefficients=coefficients,
@@ -241,66 +228,3 @@ def _cells(
         )
         for i, group in enumerate(groups)
     ]
-
-
-def _contrasts(
-    first: Cell, second: Cell, by: str, quantities: Sequence[Quantity]
-) -> list[Contrast]:
-    """Return how the quantities of two cells differ."""
-    test = _test_of(first, second, by)
-    return [
-        Contrast(
-            first.stratum,
-            first.level,
-            second.level,
-            quantity,
-            test(first.values[:, k], second.values[:, k]),
-        )
-        for k, quantity in enumerate(quantities)
-    ]
-
-
-def _test_of(
-    first: Cell, second: Cell, by: str
-) -> Callable[[Array, Array], Difference]:
-    """Return how two cells' numbers are to be tested, as their units suggest."""
-    if by == "subject":  # a repeat's number pairs nothing
-        return unpaired_difference
-    places = {unit: i for i, unit in enumerate(second.units)}
-    both = [(i, places[u]) for i, u in enumerate(first.units) if u in places]
-    if 2 * len(both) >= min(len(first.units), len(second.units)):
-        one, two = np.array(both).T
-        return lambda a, b: paired_difference(a[one], b[two])
-    one = np.array([i for i, u in enumerate(first.units) if u not in places])
-    shared = {j for _, j in both}
-    two = np.array([j for j in range(len(second.units)) if j not in shared])
-    origins = np.array(first.origins)[one], np.array(second.origins)[two]
-    if np.unique(np.concatenate(origins)).size == 1:
-        return lambda a, b: unpaired_difference(a[one], b[two])
-    return lambda a, b: difference_within(a[one], b[two], *origins)
-
-
-def _corrected(contrasts: Sequence[Contrast]) -> tuple[Contrast, ...]:
-    """Return contrasts with p-values corrected for all of them."""
-    raw = [c.difference.p for c in contrasts]
-    p = holm([np.nan if value is None else value for value in raw])
-    return tuple(
-        dataclasses.replace(c, p_holm=float(value) if np.isfinite(value) else None)
-        for c, value in zip(contrasts, p, strict=True)
-    )
-
-
-def _colour_difference(first: Cell, second: Cell) -> ColourDifference:
-    """Return how far apart the colours of two cells' mean spectra are."""
-    apart = delta_e_2000(measured_lab(first.fit), measured_lab(second.fit))
-    fitted = delta_e_2000(first.colour.lab, second.colour.lab)
-    low, high = difference_interval(first.colour, second.colour)
-    return ColourDifference(
-        first.stratum,
-        first.level,
-        second.level,
-        float(apart),
-        float(fitted),
-        float(low),
-        float(high),
-    )

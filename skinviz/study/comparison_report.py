@@ -66,9 +66,9 @@ def attribution(comparison: Comparison) -> str:
     return ", ".join(parts) + "."
 
 
-def mean_text(mean: Mean) -> str:
-    """Return a mean with its interval."""
-    return "–" if mean.mean is None else _interval(mean.mean, mean.low, mean.high)
+def places_of(width: float) -> int:
+    """Return how many decimals the width of an interval bears, two of its digits."""
+    return min(max(1 - int(np.floor(np.log10(width))), 0), 9) if width > 0 else 4
 
 
 def _head(comparison: Comparison, version: str) -> Iterator[str]:
@@ -148,7 +148,7 @@ def _means(comparison: Comparison, stratum: Stratum) -> Iterator[str]:
     yield "|---" * (len(names) + 2) + "|"
     cells = comparison.row(stratum)
     for cell in cells[:_MOST_ROWS]:
-        values = [mean_text(mean) for mean in cell.means]
+        values = [_mean(mean) for mean in cell.means]
         yield f"| {_escaped(cell.level)} | {len(cell.units)} | {' | '.join(values)} |"
     if len(cells) > _MOST_ROWS:
         yield ""
@@ -226,13 +226,16 @@ def _reading(comparison: Comparison) -> Iterator[str]:
     )
 
 
+def _mean(mean: Mean) -> str:
+    """Return a mean with its interval."""
+    return "–" if mean.mean is None else _interval(mean.mean, mean.low, mean.high)
+
+
 def _interval(value: float, low: float | None, high: float | None) -> str:
     """Return a number and its interval to the digits that the interval bears."""
     if low is None or high is None:
         return f"{value:.3g} [too few]"
-    reach = high - low
-    digits = 3 if reach <= 0 else 1 - int(np.floor(np.log10(reach)))
-    places = min(max(digits, 0), 9)
+    places = places_of(high - low)
     return f"{value:.{places}f} [{low:.{places}f}, {high:.{places}f}]"
 
 

@@ -56,8 +56,8 @@ def with_layers(
     layers = layers_of(list(dict.fromkeys(spectra["site"].values)), told)
     unknown = ~spectra["site"].isin(list(layers)).values
     why = (
-        "the thickness of its skin is not known; say [sites.NAME] like or thickness, "
-        f"Table I has {', '.join(body_sites())}"
+        f"the thickness of its skin is not known, Table I has {', '.join(body_sites())}"
+        "; say which of these it is like"
     )
     kept, gaps = without(spectra, unknown, why)
     if not kept.sizes["record"]:

@@ -1,24 +1,17 @@
-"""Which records a study's folder has: by a table, a pattern of names, or one by one."""
+"""Which records a study has, told one by one or in a table, and what of its people."""
 
 from __future__ import annotations
 
 import csv
 import dataclasses
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from skinviz._files import existing_file
-from skinviz.errors import DataError, SkinvizError
-from skinviz.spectra.formats import FORMATS
+from skinviz.errors import DataError
 from skinviz.spectra.formats.raw import read_text
-
-if TYPE_CHECKING:
-    import xarray
-
-Reader = Callable[[str], "xarray.Dataset"]
 
 TRAITS = ("group", "sex", "age", "origin")
 """What is told of a subject, and is the same in all its records."""
@@ -30,7 +23,6 @@ COLUMNS = ("file", "label", *FIELDS)
 """What a table of records can tell."""
 
 _AT_MOST = 2**26  # bytes of a table
-_FIELD = re.compile(r"\{(\w*)\}")
 
 
 @dataclass(frozen=True)
@@ -51,7 +43,7 @@ class Entry:
         Of the subject, "" where not told.
     """
 
-    file: str
+    file: str = ""
     label: str = ""
     subject: str = ""
     site: str = ""
@@ -145,116 +137,40 @@ def table_of(path: Path) -> list[dict[str, str]]:
     return [dict(zip(header, cells, strict=True)) for cells in rows[1:]]
 
 
-def listing_of_names(
-    folder: Path, pattern: str, labels: str | None, read: Reader
-) -> Listing:
-    """Return the entries that names of files tell, and labels inside them.
+def with_traits(listing: Listing, told: Mapping[str, Mapping[str, str]]) -> Listing:
+    """Return a listing in which every entry has all that is told of its subject.
 
     Parameters
     ----------
-    folder : Path
-        The study's.
-    pattern : str
-        Path in the folder with fields in braces, as ``spectra/{subject}_{site}.csv``;
-        in a site's name hyphens are read as spaces.
-    labels : str or None
-        What the labels inside a file tell, with fields in braces; None if a file has
-        one spectrum.
-    read : callable
-        Returns the spectra of a file of the folder.
+    listing : Listing
+        Entries may tell traits, or leave them "".
+    told : mapping of str to mapping
+        Traits of subjects that are told elsewhere; they come first.
+
+    Returns
+    -------
+    listing : Listing
+        An entry that contradicts what was told before is passed over.
     """
-    name = _Pattern(pattern, "pattern")
-    inside = None if labels is None else _Pattern(labels, "labels")
-    told = name.fields + (() if inside is None else inside.fields)
-    for key in ("subject", "site"):
-        if key not in told:
-            raise DataError(f"pattern {pattern!r} must tell {{{key}}}, or labels must")
-    rows: list[dict[str, str]] = []
-    passed: list[tuple[Entry, str]] = []
-    for own in _files_beside(folder, name.fixed):
-        found = name.match(own)
-        if found is None:
-            passed.append((Entry(own), f"its name does not follow {pattern!r}"))
-        elif inside is None:
-            rows.append({"file": own, **found})
-        else:
-            more, unclear = _labelled(own, inside, read)
-            rows += [{"file": own, **found, **row} for row in more]
-            known: dict[str, Any] = {k: v for k, v in found.items() if k != "repeat"}
-            passed += [(Entry(own, **known), why) for why in unclear]
-    listing = listing_of(rows)
-    return Listing(listing.entries, (*listing.passed, *passed))
-
-
-def with_traits(entry: Entry, traits: Mapping[str, str]) -> Entry:
-    """Return an entry with what the study tells of its subject, or refuse two ways.
-
-    Raises
-    ------
-    DataError
-        If the entry tells another group, sex, age or origin.
-    """
-    for key, value in traits.items():
-        own = getattr(entry, key)
-        if own and value and own != value:
-            raise DataError(f"{key} is {own!r} here and {value!r} elsewhere")
-    told: dict[str, Any] = {key: value for key, value in traits.items() if value}
-    return dataclasses.replace(entry, **told)
-
-
-def _labelled(
-    file: str, inside: _Pattern, read: Reader
-) -> tuple[list[dict[str, str]], list[str]]:
-    """Return what a file's labels tell, and why of some nothing is known."""
-    try:
-        labels = read(file).coords.get("label", ())
-    except SkinvizError as error:
-        return [], [str(error)]
-    rows, unclear = [], []
-    for label in map(str, getattr(labels, "values", labels)):
-        found = inside.match(label)
-        if found is None:
-            unclear.append(f"the label {label!r} does not follow {inside.text!r}")
-        else:
-            rows.append({"label": label, **found})
-    return rows, unclear
-
-
-class _Pattern:
-    """Text with fields in braces, which finds what stands in their place."""
-
-    def __init__(self, text: str, name: str) -> None:
-        """Take the text; refuse a field that is unknown or stands twice."""
-        self.text, self.fields = text, tuple(_FIELD.findall(text))
-        for field in self.fields:
-            if field not in FIELDS or self.fields.count(field) > 1:
-                raise DataError(
-                    f"{name} {text!r}: fields are {', '.join(FIELDS)}, each once; got "
-                    f"{{{field}}}"
+    known = {name: dict(traits) for name, traits in told.items()}
+    for entry in listing.entries:
+        own = known.setdefault(entry.subject, {})
+        for key in TRAITS:
+            if getattr(entry, key):
+                own.setdefault(key, getattr(entry, key))
+    entries, passed = [], list(listing.passed)
+    for entry in listing.entries:
+        traits: dict[str, Any] = known[entry.subject]
+        differs = [k for k, v in traits.items() if getattr(entry, k) not in ("", v)]
+        if differs:
+            key = differs[0]
+            passed.append(
+                (
+                    entry,
+                    f"its {key} is {getattr(entry, key)!r}, and {traits[key]!r} "
+                    f"elsewhere for {entry.subject!r}: do two people have one name?",
                 )
-        parts = _FIELD.split(text)
-        self.fixed = parts[0].rpartition("/")[0]
-        expression = ""
-        for i, part in enumerate(parts):
-            kind = r"\d+" if part == "repeat" else r"[^/]+?"
-            expression += f"(?P<{part}>{kind})" if i % 2 else re.escape(part)
-        self._expression = re.compile(expression)
-
-    def match(self, text: str) -> dict[str, str] | None:
-        """Return what stands in the fields' places, None if the text is another."""
-        found = self._expression.fullmatch(text)
-        if found is None:
-            return None
-        told = found.groupdict()
-        if "site" in told:  # names of files have hyphens for spaces
-            told["site"] = told["site"].replace("-", " ")
-        return told
-
-
-def _files_beside(folder: Path, fixed: str) -> list[str]:
-    """Return the files of spectra in a part of a folder, by name."""
-    return sorted(
-        path.relative_to(folder).as_posix()
-        for path in (folder / fixed).rglob("*")
-        if path.suffix.lower() in FORMATS and path.is_file()
-    )
+            )
+        else:
+            entries.append(dataclasses.replace(entry, **traits))
+    return Listing(tuple(entries), tuple(passed))

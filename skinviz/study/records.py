@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from skinviz.errors import SkinvizError
 from skinviz.spectra.archive_data import archive_dataset
-from skinviz.study.record_list import TRAITS, Entry, Reader
+from skinviz.study.record_list import Entry
+from skinviz.study.record_names import CUBE, Reader
 from skinviz.study.study import CHANGED, LEFT_OUT, MISSING, Gap
 
 if TYPE_CHECKING:
@@ -54,19 +55,9 @@ def read_entries(
     """
     records, gaps = [], []
     keys: set[tuple[str, str, str, int]] = set()
-    traits: dict[str, Entry] = {}
     for entry in entries:
-        first = traits.setdefault(entry.subject, entry)
-        differs = [t for t in TRAITS if getattr(entry, t) != getattr(first, t)]
-        if entry.key in keys:
-            why = "the same subject, site, condition and repeat is there already"
-        elif differs:
-            why = (
-                f"its {differs[0]} is {getattr(entry, differs[0])!r}, and "
-                f"{getattr(first, differs[0])!r} in the subject's first record; one "
-                "name may stand for two people"
-            )
-        else:
+        why = "the same subject, site, condition and repeat is there already"
+        if entry.key not in keys:
             try:
                 records.append(_record(entry, read(entry.file)))
                 keys.add(entry.key)
@@ -175,12 +166,9 @@ def missing_cells(
     named : iterable of str
         Subjects that the study knows, with records or without.
     """
-    there = dict.fromkeys(cells)
-    told = dict.fromkeys(explained)
-    names = [key for key in (*there, *told) if all(key[:2])]
-    subjects, sites, conditions = (
-        dict.fromkeys(key[i] for key in names) for i in range(3)
-    )
+    there, told = dict.fromkeys(cells), dict.fromkeys(explained)
+    subjects = dict.fromkeys(key[0] for key in (*there, *told) if key[0])
+    sites, conditions = (dict.fromkeys(key[i] for key in there) for i in (1, 2))
     return [
         Gap(MISSING, subject, site, condition, 0, "", "no record")
         for subject in dict.fromkeys((*subjects, *named))
@@ -194,7 +182,7 @@ def missing_cells(
 def _record(entry: Entry, spectra: xarray.Dataset) -> Record:
     """Return the spectrum that an entry means, or say why there is none to use."""
     if "sample" in spectra.sizes:
-        raise SkinvizError("is a cube; a study takes single spectra of it")
+        raise SkinvizError(CUBE)
     labels = [str(label) for label in spectra["label"].values]
     if entry.label and entry.label not in labels:
         raise SkinvizError(

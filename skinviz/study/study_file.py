@@ -16,13 +16,12 @@ from skinviz.study import records as made
 from skinviz.study.layers import with_layers
 from skinviz.study.record_list import (
     TRAITS,
-    Entry,
     Listing,
     listing_of,
-    listing_of_names,
     table_of,
     with_traits,
 )
+from skinviz.study.record_names import listing_of_names
 from skinviz.study.study import LEFT_OUT, MISSING, Gap, Shape, Study
 
 if TYPE_CHECKING:
@@ -106,12 +105,15 @@ def _study(content: dict[str, Any], home: Path) -> Study:
             raise SkinvizError(_without_path(str(error), home / file)) from error
 
     subjects = _subjects(content.get("subjects", {}))
-    listing = _listing(content, home, read)
+    traits = {
+        name: {key: str(table[key]) for key in TRAITS if key in table}
+        for name, table in subjects.items()
+    }
+    listing = with_traits(_listing(content, home, read), traits)
     gaps = [made.gap(LEFT_OUT, entry, why) for entry, why in listing.passed]
-    entries, contradicted = _with_traits(listing, subjects)
-    read_in, unreadable = made.read_entries(entries, read)
+    read_in, unreadable = made.read_entries(listing.entries, read)
     gridded, resampled = made.on_one_grid(read_in)
-    gaps += [*contradicted, *unreadable, *resampled]
+    gaps += [*unreadable, *resampled]
     if not gridded:
         first = f"; the first: {gaps[0]}" if gaps else ", it lists none"
         raise DataError(f"no record can be used{first}")
@@ -186,21 +188,6 @@ def _subjects(told: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
         if {"mesh", "scan"} <= table.keys():
             raise DataError(f"[subjects.{name}] has both mesh and scan; give one")
     return told
-
-
-def _with_traits(
-    listing: Listing, subjects: dict[str, dict[str, Any]]
-) -> tuple[list[Entry], list[Gap]]:
-    """Return the entries with their subjects' traits, and gaps where these differ."""
-    entries, gaps = [], []
-    for entry in listing.entries:
-        table = subjects.get(entry.subject, {})
-        traits = {key: str(table[key]) for key in TRAITS if key in table}
-        try:
-            entries.append(with_traits(entry, traits))
-        except DataError as error:
-            gaps.append(made.gap(LEFT_OUT, entry, str(error)))
-    return entries, gaps
 
 
 def _files_of(

@@ -8,18 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.spectra.colorimetry import lab_to_xyz, spectrum_to_xyz
-from skinviz.study.comparison import Cell, Comparison, Stratum
+from skinviz.study.comparison import Cell, Comparison
 from skinviz.study.quantities import Quantity
-from skinviz.view.delta_e_matrix import delta_e_matrix, matrix_cells
+from skinviz.view.comparison_colours import colours_figure
+from skinviz.view.comparison_levels import WIDTH, drawn, shortened, shown, title_of
 from skinviz.view.page import STYLE, Cells, Margins, Page, lay_out
 from skinviz.view.spectra_panels import (
-    ROW,
-    Swatch,
     band_of,
     bands_panel,
-    srgb_of,
-    swatch_rows,
 )
 from skinviz.view.styles import line
 
@@ -29,17 +25,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WIDTH = 9.0
-"""Of a figure, by default. [inches]"""
-
-MOST_SHOWN = 12
-"""Levels that a figure shows; the tables have all."""
-
 _NAMED = 0.062  # inches: width of a letter beside an axis
-_LONGEST = 24  # letters of a level that are written beside an axis
 _BAR = 0.13  # inches: height of a stratum's line in a panel of means
 _DOTTED = 24  # units that are drawn one by one
-_NORMAL = 1.96  # standard deviations on either side that hold 95 %
 
 
 def comparison_figures(
@@ -75,7 +63,7 @@ def spectra_figure(
     """Return the mean spectrum of each level and its spread, a panel a stratum."""
     import matplotlib as mpl
 
-    strata, levels = comparison.strata, _shown(comparison)
+    strata, levels = comparison.strata, shown(comparison)
     bands = comparison.study.spectra["wavelength"].values
     what = f"{comparison.unit}s"
     words = (
@@ -100,7 +88,7 @@ def spectra_figure(
                     [band_of(name, cell.spectra)],
                     first=levels.index(cell.level),
                 )
-            axes.set_title(_title(stratum), parse_math=False)
+            axes.set_title(title_of(stratum), parse_math=False)
             highest = max(highest, axes.dataLim.y1)
             _say_counts(axes, drawn(comparison, stratum))
         for axes in page.panels():
@@ -118,11 +106,11 @@ def weights_figure(
     """
     import matplotlib as mpl
 
-    strata, levels = comparison.strata, _shown(comparison)
-    named = [_cut(level) for level in levels]
+    strata, levels = comparison.strata, shown(comparison)
+    named = [shortened(level) for level in levels]
     margins = Margins(left=0.12 + _NAMED * max(map(len, named)), bottom=0.46)
     tall = 0.12 + len(levels) * max(_BAR * (len(strata) + 0.6), 0.2)
-    names = [_title(stratum) for stratum in strata] if len(strata) > 1 else []
+    names = [title_of(stratum) for stratum in strata] if len(strata) > 1 else []
     words = (
         f"Marks: mean over {comparison.unit}s with its 95 % t interval, which needs "
         f"two. Dots: the {comparison.unit}s, or of more than {_DOTTED} a thin line "
@@ -154,68 +142,6 @@ def weights_figure(
     return page.figure
 
 
-def colours_figure(
-    comparison: Comparison, caption: str = "", width: float = WIDTH
-) -> Figure:
-    """Return each level's colour with its uncertainty, and ΔE00 between levels."""
-    import matplotlib as mpl
-
-    strata, levels = comparison.strata, _shown(comparison)
-    most = max(len(drawn(comparison, stratum)) for stratum in strata)
-    wide = 2.7
-    blocks = [
-        Cells(
-            len(strata),
-            (1.4 * ROW * most,),
-            least=wide,
-            margins=Margins(left=0.05, right=0.2, top=0.26, bottom=0.08),
-        )
-    ]
-    if comparison.colours:
-        blocks.append(matrix_cells(len(strata), [_cut(level) for level in levels]))
-    words = (
-        "Swatches: measured, then fitted: the estimate between the two ends of the "
-        "95 % that the fit's covariance allows, by Monte Carlo; ± is within which "
-        "ΔE00 of the estimate 95 % of the draws lie. Numbers are the fit's. "
-    )
-    if comparison.colours:
-        words += (
-            "Matrix: ΔE00 of the mean spectra, above the diagonal as measured, below "
-            "it as fitted, with the 95 % interval of both fits' covariances. "
-        )
-    with mpl.rc_context(STYLE):
-        page = lay_out(
-            width,
-            blocks,
-            title=f"Colours under D65 by {comparison.by}",
-            caption=words + caption,
-        )
-        for stratum, axes in zip(strata, page.panels(0), strict=True):
-            cells = drawn(comparison, stratum)
-            axes.set_title(_title(stratum), parse_math=False, loc="left")
-            swatch_rows(axes, [_swatch(cell) for cell in cells])
-            axes.set_ylim(most, 0)
-        if comparison.colours:
-            for stratum, axes in zip(strata, page.panels(1), strict=True):
-                own = [c for c in comparison.colours if c.stratum == stratum]
-                delta_e_matrix(axes, own, levels, [_cut(level) for level in levels])
-                axes.set_title(
-                    ", ".join(filter(None, ("ΔE00", _title(stratum)))), parse_math=False
-                )
-    return page.figure
-
-
-def _shown(comparison: Comparison) -> tuple[str, ...]:
-    """Return the levels that are drawn."""
-    return comparison.levels[:MOST_SHOWN]
-
-
-def drawn(comparison: Comparison, stratum: Stratum) -> tuple[Cell, ...]:
-    """Return the cells of a stratum that are drawn."""
-    levels = _shown(comparison)
-    return tuple(cell for cell in comparison.row(stratum) if cell.level in levels)
-
-
 def _draw_mean(axes: Axes, cell: Cell, k: int, at: float, style: int) -> None:
     """Draw one quantity of a cell: its units, their mean and the interval."""
     own, mean = line(style), cell.means[k]
@@ -233,33 +159,6 @@ def _draw_mean(axes: Axes, cell: Cell, k: int, at: float, style: int) -> None:
     axes.plot(
         mean.mean, at, own.marker, ms=4.0, mfc="w", mec=own.colour, mew=1.1, zorder=3
     )
-
-
-def _swatch(cell: Cell) -> Swatch:
-    """Return a cell's colour as measured and as fitted, with what it may be."""
-    parts = [srgb_of(np.nan_to_num(cell.fit.xyz[0]))]
-    error = float(cell.colour.delta_e)
-    if cell.is_fitted:
-        parts += list(colours_within(cell))
-    return Swatch(
-        label=f"{_cut(cell.level)} (n = {len(cell.units)})",
-        rgb=np.array(parts),
-        lab=cell.colour.lab if cell.is_fitted else None,
-        note=f"± {error:.2g} ΔE00" if np.isfinite(error) else "",
-    )
-
-
-def colours_within(cell: Cell) -> Array:
-    """Return sRGB (3, 3) of a fit: its estimate between the ends of what it may be."""
-    colour, bands = cell.colour, cell.fit.wavelengths
-    covariance = colour.covariance
-    end = np.zeros(3)
-    if np.isfinite(covariance).all():
-        variances, axes = np.linalg.eigh(covariance)
-        end = _NORMAL * np.sqrt(max(variances[-1], 0.0)) * axes[:, -1]
-    white = spectrum_to_xyz(np.ones(bands.size), bands)
-    xyz = lab_to_xyz(colour.lab + np.array([[-1.0], [0.0], [1.0]]) * end, white)
-    return srgb_of(np.maximum(xyz, 0))
 
 
 def _say_counts(axes: Axes, cells: Sequence[Cell]) -> None:
@@ -295,13 +194,3 @@ def _labelled(quantity: Quantity) -> str:
     if not name.startswith("w_"):
         name = name.replace("_", " ")
     return name if quantity.unit == "1" else f"{name} ({quantity.unit})"
-
-
-def _title(stratum: Stratum) -> str:
-    """Return a stratum as a title, nothing if there is but one."""
-    return str(stratum) if stratum.site or stratum.condition else ""
-
-
-def _cut(text: str) -> str:
-    """Return a name that fits beside an axis."""
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"

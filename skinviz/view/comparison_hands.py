@@ -16,13 +16,14 @@ from skinviz.scene.camera import Camera
 from skinviz.scene.hand import hand_frame
 from skinviz.scene.lights import DirectionalLight
 from skinviz.scene.scene import Scene, Skin
-from skinviz.study.comparison import Cell, Comparison, Stratum
+from skinviz.study.comparison import Cell, Comparison
 from skinviz.study.study import Study
 from skinviz.surface.gonio import read_gonio
 from skinviz.surface.lobe_fit import fit_lobe
 from skinviz.surface.surface import Surface
 from skinviz.surface.torrance_sparrow import TorranceSparrow
-from skinviz.view.comparison_figures import WIDTH, colours_within, drawn
+from skinviz.view.comparison_colours import colours_within
+from skinviz.view.comparison_levels import WIDTH, drawn, title_of
 from skinviz.view.hands_grid import Hand, hands_figure, render_linked
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def comparison_hands(
         levels = [cell.level for cell in drawn(comparison, stratum)]
         for row in _rows(levels):
             rows.append([hands.get((stratum, level)) for level in row])
-            names.append(_name(stratum))
+            names.append(title_of(stratum))
     words = (
         f"The skin fitted to each mean spectrum on {maker.told}, light {illuminant} at "
         f"{LIGHT:g}°, one scale and exposure. Swatches: the fit under D65, its "
@@ -213,8 +214,3 @@ def _said(cell: Cell) -> str:
     """Return what stands under a hand."""
     error = float(cell.colour.delta_e)
     return f"± {error:.2g} ΔE00" if np.isfinite(error) else ""
-
-
-def _name(stratum: Stratum) -> str:
-    """Return what stands beside a row."""
-    return str(stratum) if stratum.site or stratum.condition else ""
