@@ -83,10 +83,10 @@ def compare_study(
     if by != "site":  # at one site it is w_m by another name
         found = found.less("w_m_depth")
     fitted, refused = _fitted(chosen, found)
-    groups = _groups(fitted, by, found.values[~found.failed])
+    named = [name for name in study.levels(by) if name in fitted.levels(by)]
+    groups = _groups(fitted, by, named, found.values[~found.failed])
     bands = fitted.spectra["wavelength"].values
     cells = _cells(groups, bands, found.models, seed)
-    named = fitted.levels(by)
     pairs: list[tuple[Cell, Cell]] = []
     if len(named) <= MOST_LEVELS:
         for stratum in dict.fromkeys(cell.stratum for cell in cells):
@@ -95,7 +95,7 @@ def compare_study(
     return Comparison(
         study=fitted,
         by=by,
-        levels=named,
+        levels=tuple(named),
         unit="repeat" if by == "subject" else "subject",
         quantities=found.quantities,
         cells=tuple(cells),
@@ -149,8 +149,10 @@ class _Group:
     spectra: Array
 
 
-def _groups(study: Study, by: str, values: Array) -> list[_Group]:
-    """Return the units by stratum and level, both in the study's order."""
+def _groups(
+    study: Study, by: str, levels: Sequence[str], values: Array
+) -> list[_Group]:
+    """Return the units by stratum and level, both in order."""
     data = study.spectra
     labels = {
         key: list(map(str, data[key].values))
@@ -161,9 +163,7 @@ def _groups(study: Study, by: str, values: Array) -> list[_Group]:
         for site, condition in zip(labels["site"], labels["condition"], strict=True)
     ]
     rows: dict[tuple[Stratum, str], list[int]] = {
-        (stratum, level): []
-        for stratum in dict.fromkeys(strata)
-        for level in study.levels(by)
+        (stratum, level): [] for stratum in dict.fromkeys(strata) for level in levels
     }
     for i, key in enumerate(zip(strata, data[by].values.astype(str), strict=True)):
         rows[key].append(i)
