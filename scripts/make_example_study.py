@@ -2,7 +2,7 @@
 
 ``python scripts/make_example_study.py [OUT]``. Eight made-up people, A to H, at two
 body sites before and after sun, two repeats each. After sun the back of the hand has
-1.5 times the oxyhaemoglobin, 1.1 times under sunscreen; the inner arm was covered.
+1.5 times the oxyhaemoglobin, 1.2 times under sunscreen; the inner arm was covered.
 Nobody was measured: weights are drawn around middles like those of real skin, and
 noise is added. H has no inner arm after sun, so that the example has a gap.
 """
@@ -21,7 +21,7 @@ OUT = Path(__file__).parents[1] / "docs" / "examples" / "study"
 BANDS = np.arange(400.0, 701.0, 10.0)
 SITES = {"back of hand": (0.055, 0.0068, 0.0032), "inner arm": (0.030, 0.0030, 0.0012)}
 CONDITIONS = ("before", "after sun")
-SUN = {"sunscreen": 1.1, "none": 1.5}  # times the oxyhaemoglobin, where it shines
+SUN = {"sunscreen": 1.2, "none": 1.5}  # times the oxyhaemoglobin, where it shines
 SUBJECTS = "ABCDEFGH"
 GROUPS = {"sunscreen": "ABCD", "none": "EFGH"}
 BETWEEN, WITHIN, NOISE = 0.20, 0.03, 0.0015  # of weights, log; of a band

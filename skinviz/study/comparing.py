@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz._validate import one_of
+from skinviz._validate import in_range, one_of
 from skinviz.errors import ArgumentError
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.model import SkinModel
@@ -68,7 +68,8 @@ def compare_study(
     Raises
     ------
     ArgumentError
-        If the factor or a level is unknown, or there are fewer than two levels.
+        If the factor or a level is unknown, there are fewer than two levels, or the
+        seed is negative.
 
     Notes
     -----
@@ -78,6 +79,7 @@ def compare_study(
     factor; without an origin that has both levels nothing can be tested. p-values are
     corrected by Holm's method over all that one comparison tests.
     """
+    in_range(seed, 0, 2**63 - 1, "seed")
     chosen, unnamed = _chosen(study, by, levels)
     found = measure(chosen, model=model, coefficients=coefficients, advance=advance)
     if by != "site":  # at one site it is w_m by another name
