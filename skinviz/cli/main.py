@@ -14,6 +14,7 @@ from skinviz.cli.archive import archive
 from skinviz.cli.clean import clean
 from skinviz.cli.compare import compare
 from skinviz.cli.demo import demo
+from skinviz.cli.figure import figure
 from skinviz.cli.fit import fit
 from skinviz.cli.info import info
 from skinviz.cli.render import render
@@ -28,6 +29,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "fit": fit,
     "render": render,
     "compare": compare,
+    "figure": figure,
     "tradeoff": tradeoff,
     "archive": archive,
     "info": info,

@@ -42,9 +42,9 @@ EDGE = 0.08
 DOTS = 150
 """Dots per inch on the screen; files say their own."""
 
-_TITLE, _TITLE_LETTER = 0.185, 0.093  # inches: a line; mean width of a letter
-_CAPTION, _CAPTION_LETTER = 0.13, 0.0625
-_ROW, _LEGEND_LETTER, _HANDLE = 0.175, 0.066, 0.62  # inches: of the legend
+_TITLE, _TITLE_LETTER = 0.185, 0.078  # inches: a line; mean width of a letter
+_CAPTION, _CAPTION_LETTER = 0.13, 0.055
+_ROW, _LEGEND_LETTER, _HANDLE = 0.175, 0.06, 0.62  # inches: of the legend
 _OF_THE_FONT = 1.164  # its own distance of lines, in sizes
 _EM = 0.62  # mean width of a letter, in sizes
 _NARROW = 0.4  # inches: a panel is never narrower

@@ -90,8 +90,10 @@ def bands_panel(
         own = line(k)
         if band.low is not None and band.high is not None:
             axes.fill_between(
-                nm, band.low, band.high, color=own.colour, alpha=0.14, lw=0
+                nm, band.low, band.high, color=own.colour, alpha=0.1, lw=0
             )
+            for edge in (band.low, band.high):
+                axes.plot(nm, edge, color=own.colour, ls=own.dashes, lw=0.5)
         handles += axes.plot(nm, band.middle, label=band.label, **own(nm.size, 2 * k))
     axes.set_ylabel(ylabel)
     wavelength_axis(axes)
