@@ -21,6 +21,8 @@ TITLES = {
 }
 """What the report calls each figure."""
 
+_DOTS = 200  # per inch of a PNG
+
 
 def write_comparison(
     folder: Path,
@@ -61,7 +63,7 @@ def write_comparison(
         for partial, text in zip(partials, texts.values(), strict=False):
             partial.write_text(text, "utf-8")
         for partial, figure in zip(partials[len(texts) :], drawn.values(), strict=True):
-            save_figure(figure, partial)
+            save_figure(figure, partial, dots=_DOTS)
     return files
 
 

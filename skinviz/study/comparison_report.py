@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 
 import numpy as np
 
@@ -173,9 +174,21 @@ def _differences(comparison: Comparison) -> Iterator[str]:
         yield ""
         yield "| pair | quantity | second − first | effect | p | p (Holm) | test, n |"
         yield "|---|---|---|---|---|---|---|"
-        for contrast in own:
-            yield _difference(contrast)
+        for _, pair in groupby(own, key=lambda c: (c.first, c.second)):
+            yield from _pair(list(pair))
         yield ""
+
+
+def _pair(contrasts: Sequence[Contrast]) -> Iterator[str]:
+    """Yield the rows of a pair of levels: one if nothing of it can be tested."""
+    first = contrasts[0]
+    whys = {c.difference.why for c in contrasts}
+    if whys == {CONFOUNDED}:
+        pair = _escaped(f"{first.first} → {first.second}")
+        n = ", ".join(map(str, first.difference.n))
+        yield f"| {pair} | all | – | {_WHY[CONFOUNDED]} | – | – | none, {n} |"
+        return
+    yield from map(_difference, contrasts)
 
 
 def _difference(contrast: Contrast) -> str:

@@ -42,7 +42,7 @@ def colours_figure(
     if comparison.colours:
         blocks.append(matrix_cells(len(strata), [shortened(level) for level in levels]))
     words = (
-        "Swatches: measured, then fitted: the estimate between the two ends of the "
+        "Swatches: measured, then fitted: the estimate between both ends of the "
         "95 % that the fit's covariance allows, by Monte Carlo; ± is within which "
         "ΔE00 of the estimate 95 % of the draws lie. Numbers are the fit's. "
     )
@@ -97,7 +97,8 @@ def colours_within(cell: Cell) -> Array:
     end = np.zeros(3)
     if np.isfinite(covariance).all():
         variances, axes = np.linalg.eigh(covariance)
-        end = _NORMAL * np.sqrt(max(variances[-1], 0.0)) * axes[:, -1]
+        axis = axes[:, -1] * np.copysign(1.0, axes[0, -1])  # the lighter end last
+        end = _NORMAL * np.sqrt(max(variances[-1], 0.0)) * axis
     white = spectrum_to_xyz(np.ones(bands.size), bands)
     xyz = lab_to_xyz(colour.lab + np.array([[-1.0], [0.0], [1.0]]) * end, white)
     return srgb_of(np.maximum(xyz, 0))

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 LIGHT = 30.0
 """Angle of the light from the normal of the hand's back; the viewer is at 0. [°]"""
 
-_SIZE = (360, 480)  # pixels of a picture
+_SIZE = (480, 640)  # pixels of a picture
 _MARGIN, _WIDEST = 0.4, 2.4  # inches: of the figure; a hand
 _MOST_BESIDE = 6  # hands in a row
 
