@@ -109,7 +109,7 @@ def coverage(n_studies: int, n_subjects: int) -> Row:
                 held += c.difference.low <= truth <= c.difference.high
                 total += 1
     pairs = len(list(combinations(SITES, 2)))
-    error = 100 * np.sqrt(0.95 * 0.05 / (n_studies * len(WEIGHTS) * len(SITES)))
+    error = 100 * np.sqrt(0.95 * 0.05 / (n_studies * len(WEIGHTS) * (len(SITES) - 1)))
     return Row(
         f"95 % intervals that hold the true difference: {n_studies} studies of "
         f"{n_subjects} × {len(SITES)} × {len(REPEATS)}, {pairs} pairs × 3 weights",

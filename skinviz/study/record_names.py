@@ -41,6 +41,8 @@ def listing_of_names(
     read : callable
         Returns the spectra of a file of the folder.
     """
+    if pattern.startswith("/"):
+        raise DataError(f"pattern {pattern!r} must be a path in the study's folder")
     name = _Pattern(pattern, "pattern")
     inside = None if labels is None else _Pattern(labels, "labels")
     told = name.fields + (() if inside is None else inside.fields)
@@ -49,7 +51,7 @@ def listing_of_names(
             raise DataError(f"pattern {pattern!r} must tell {{{key}}}, or labels must")
     rows: list[dict[str, str]] = []
     passed: list[tuple[Entry, str]] = []
-    for own in _files_beside(folder, name.fixed):
+    for own in _files_beside(folder, name.fixed, name.depth):
         found = name.match(own)
         if found is None:
             passed.append((Entry(own), f"its name does not follow {pattern!r}"))
@@ -98,6 +100,7 @@ class _Pattern:
                 )
         parts = _FIELD.split(text)
         self.fixed = parts[0].rpartition("/")[0]
+        self.depth = text.count("/") - self.fixed.count("/") - bool(self.fixed)
         expression = ""
         for i, part in enumerate(parts):
             kind = r"\d+" if part == "repeat" else r"[^/]+?"
@@ -115,10 +118,10 @@ class _Pattern:
         return told
 
 
-def _files_beside(folder: Path, fixed: str) -> list[str]:
-    """Return the files of spectra in a part of a folder, by name."""
+def _files_beside(folder: Path, fixed: str, depth: int) -> list[str]:
+    """Return the files of spectra some folders under a part of a folder, by name."""
     return sorted(
         path.relative_to(folder).as_posix()
-        for path in (folder / fixed).rglob("*")
+        for path in (folder / fixed).glob("*/" * depth + "*")
         if path.suffix.lower() in FORMATS and path.is_file()
     )

@@ -92,7 +92,7 @@ def read_study(folder: str | os.PathLike[str], *, strict: bool = False) -> Study
 def _study(content: dict[str, Any], home: Path) -> Study:
     """Return the study that parsed TOML describes."""
     _require_known(content)
-    title = content.get("title", home.resolve().name)
+    title = " ".join(content.get("title", home.resolve().name).split())
     specular = as_specular(content["specular"])
 
     @cache
@@ -208,7 +208,8 @@ def _files_of(
         for key in ("mesh", "scan"):
             if key in table and there(name, "", table[key]):
                 path = home / str(table[key])
-                shapes[name] = Shape(path, table.get("unit"), key == "scan")
+                unit = None if "unit" not in table else str(table["unit"])
+                shapes[name] = Shape(path, unit, key == "scan")
         own = table.get("gonio", {})
         for site, path in (own if isinstance(own, dict) else {"": own}).items():
             if there(name, site, path):

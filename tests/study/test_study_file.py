@@ -157,6 +157,19 @@ def test_bands_that_were_not_measured_stay_empty(tmp_path):
     assert_array_equal(np.isnan(values).nonzero()[0], [5])
 
 
+def test_folders_too_can_tell(folder):
+    for path in list((folder / "spectra").iterdir()):
+        subject, rest = path.name.split("_", 1)
+        (folder / "by" / subject).mkdir(parents=True, exist_ok=True)
+        path.rename(folder / "by" / subject / rest)
+    toml = folder / "study.toml"
+    text = toml.read_text("utf-8")
+    toml.write_text(text.replace("spectra/{subject}_", "by/{subject}/"), "utf-8")
+    study = read_study(folder, strict=True)
+    assert study.levels("subject") == ("A", "B", "C")
+    assert study.spectra.sizes["record"] == 12
+
+
 def test_files_that_do_not_follow_the_pattern_are_told(folder):
     write_table(folder / "spectra" / "notes.csv", skin([0.1, 0.006, 0.003]), ["x"])
     ((what, *_, why),) = gaps_of(read_study(folder))
@@ -212,6 +225,10 @@ def test_hands_and_readings_are_found_or_told_missing(folder):
         ("specular = 'included'\nrecords = 'none.csv'", "none.csv: no such file"),
         ("specular = 'included'\npattern = 's/{subject}.csv'", "must tell {site}"),
         ("specular = 'included'\npattern = '{name}_{site}.csv'", "got {name}"),
+        (
+            "specular = 'included'\npattern = '/{subject}_{site}.csv'",
+            "must be a path in",
+        ),
         ("specular = 'included'\npattern = '{subject}_{site}.csv'", "it lists none"),
         ("specular = 'included'\nrecords = 'a.csv'\nlabels = 'x'", "labels goes with"),
         ("specular = 'included'\nrecord = [1]", r"write \[\[record\]\]"),
