@@ -35,21 +35,16 @@ def write_comparison(
 
     from skinviz import __version__
     from skinviz._files import whole_files
-    from skinviz.study import comparison_tables as tables
     from skinviz.study.comparison_report import report
+    from skinviz.study.comparison_tables import as_data, csv_tables
     from skinviz.view.figures import save_figure
 
-    pictures = {f"{TITLES[name]}": f"{name}.png" for name in TITLES if name in figures}
+    pictures = {TITLES[name]: f"{name}.png" for name in TITLES if name in figures}
     texts = {
         "report.md": report(found, pictures, notes, __version__),
-        "means.csv": tables.as_csv(tables.mean_rows(found)),
-        "differences.csv": tables.as_csv(tables.difference_rows(found)),
-        "colours.csv": tables.as_csv(tables.colour_rows(found)),
-        "levels.csv": tables.as_csv(tables.level_rows(found)),
-        "spectra.csv": tables.as_csv(tables.spectrum_rows(found)),
-        "gaps.csv": tables.as_csv(tables.gap_rows(found.gaps)),
+        **csv_tables(found),
         "comparison.json": json.dumps(
-            {**tables.as_data(found), "notes": list(notes)}, indent=2, allow_nan=False
+            {**as_data(found), "notes": list(notes)}, indent=2, allow_nan=False
         )
         + "\n",
     }

@@ -20,6 +20,9 @@ FORMAT = "skinviz comparison 1"
 
 Row = dict[str, Any]
 
+_PAIR = ("first", "second")
+_GAP = ("what", "subject", "site", "condition", "repeat", "file", "why")
+
 
 def mean_rows(comparison: Comparison) -> Iterator[Row]:
     """Yield a row for each level, stratum and quantity: its mean and 95 % interval."""
@@ -125,15 +128,17 @@ def gap_rows(gaps: Sequence[Gap]) -> Iterator[Row]:
         yield {**asdict(gap), "repeat": gap.repeat or None}
 
 
-def as_csv(rows: Iterator[Row], names: Sequence[str] = ()) -> str:
-    """Return rows as CSV under their names; empty where something is not known."""
-    listed = list(rows)
-    text = io.StringIO()
-    header = list(listed[0]) if listed else list(names)
-    writer = csv.DictWriter(text, header, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: _cell(v) for key, v in row.items()} for row in listed)
-    return text.getvalue()
+def csv_tables(comparison: Comparison) -> dict[str, str]:
+    """Return the tables of a comparison as CSV, by the names of files."""
+    tables: dict[str, tuple[Iterator[Row], tuple[str, ...]]] = {
+        "means.csv": (mean_rows(comparison), ()),
+        "differences.csv": (difference_rows(comparison), _PAIR),
+        "colours.csv": (colour_rows(comparison), _PAIR),
+        "levels.csv": (level_rows(comparison), ()),
+        "spectra.csv": (spectrum_rows(comparison), ()),
+        "gaps.csv": (gap_rows(comparison.gaps), _GAP),
+    }
+    return {name: _as_csv(*rows) for name, rows in tables.items()}
 
 
 def as_data(comparison: Comparison) -> Row:
@@ -198,3 +203,14 @@ def _finite(value: float) -> float | None:
 def _cell(value: Any) -> Any:
     """Return what a CSV cell says: of a float what means something."""
     return f"{value:.10g}" if isinstance(value, float) else value
+
+
+def _as_csv(rows: Iterator[Row], names: tuple[str, ...]) -> str:
+    """Return rows as CSV; ``names`` is the header where there is no row."""
+    listed = list(rows)
+    text = io.StringIO()
+    header = list(listed[0]) if listed else list(names)
+    writer = csv.DictWriter(text, header, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({key: _cell(v) for key, v in row.items()} for row in listed)
+    return text.getvalue()

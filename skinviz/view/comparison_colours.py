@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 
 from skinviz.spectra.colorimetry import lab_to_xyz, spectrum_to_xyz
 from skinviz.study.comparison import Cell, Comparison
-from skinviz.view.comparison_levels import WIDTH, drawn, shortened, shown, title_of
+from skinviz.view.comparison_levels import (
+    WIDTH,
+    drawn,
+    error_text,
+    shortened,
+    shown,
+    title_of,
+)
 from skinviz.view.delta_e_matrix import delta_e_matrix, matrix_cells
 from skinviz.view.page import STYLE, Cells, Margins, lay_out
 from skinviz.view.spectra_panels import ROW, Swatch, srgb_of, swatch_rows
@@ -79,14 +86,13 @@ def colours_figure(
 def _swatch(cell: Cell) -> Swatch:
     """Return a cell's colour as measured and as fitted, with what it may be."""
     parts = [srgb_of(np.nan_to_num(cell.fit.xyz[0]))]
-    error = float(cell.colour.delta_e)
     if cell.is_fitted:
         parts += list(colours_within(cell))
     return Swatch(
         label=f"{shortened(cell.level)} (n = {len(cell.units)})",
         rgb=np.array(parts),
         lab=cell.colour.lab if cell.is_fitted else None,
-        note=f"± {error:.2g} ΔE00" if np.isfinite(error) else "",
+        note=error_text(cell),
     )
 
 

@@ -75,7 +75,7 @@ def spectra_figure(
             width,
             [Cells(len(strata), (2.3,), least=2.3)],
             title=f"Spectra by {comparison.by}",
-            legend=levels,
+            legend=[shortened(level) for level in levels],
             caption=words,
         )
         highest = 0.0
@@ -121,7 +121,7 @@ def weights_figure(
             width,
             [Cells(len(comparison.quantities), (tall,), least=1.7, margins=margins)],
             title=f"Fitted weights and colour by {comparison.by}",
-            legend=names,
+            legend=[shortened(name) for name in names],
             caption=words,
         )
         for k, axes in enumerate(page.panels()):
@@ -185,7 +185,9 @@ def _legend(page: Page, names: Sequence[str]) -> None:
         )
         for k in range(len(names))
     ]
-    page.legend(handles, names)
+    page.legend(handles, [shortened(name) for name in names])
+    for text in page.figure.legends[-1].get_texts():
+        text.set_parse_math(False)  # a name may have a $
 
 
 def _labelled(quantity: Quantity) -> str:

@@ -23,7 +23,7 @@ from skinviz.surface.lobe_fit import fit_lobe
 from skinviz.surface.surface import Surface
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 from skinviz.view.comparison_colours import colours_within
-from skinviz.view.comparison_levels import WIDTH, drawn, title_of
+from skinviz.view.comparison_levels import WIDTH, drawn, error_text, shortened, title_of
 from skinviz.view.hands_grid import Hand, hands_figure, render_linked
 
 if TYPE_CHECKING:
@@ -97,9 +97,9 @@ def comparison_hands(
     hands = {
         (cell.stratum, cell.level): Hand(
             picture.rgb,
-            label=cell.level,
+            label=shortened(cell.level),
             swatches=list(colours_within(cell)),
-            notes=[_said(cell)],
+            notes=[error_text(cell)],
         )
         for cell, picture in zip(cells, pictures, strict=True)
     }
@@ -208,9 +208,3 @@ def _rows(levels: Sequence[str]) -> list[list[str]]:
     beside = -(-len(levels) // n_rows)
     filled = [*levels, *[""] * (n_rows * beside - len(levels))]
     return [filled[i : i + beside] for i in range(0, len(filled), beside)]
-
-
-def _said(cell: Cell) -> str:
-    """Return what stands under a hand."""
-    error = float(cell.colour.delta_e)
-    return f"± {error:.2g} ΔE00" if np.isfinite(error) else ""

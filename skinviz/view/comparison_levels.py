@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from skinviz.study.comparison import Cell, Comparison, Stratum
 
 MOST_SHOWN = 12
@@ -10,7 +12,7 @@ MOST_SHOWN = 12
 WIDTH = 9.0
 """Of a figure, by default. [inches]"""
 
-_LONGEST = 24  # letters of a level that are written beside an axis
+_LONGEST = 28  # letters of a level that are written beside an axis
 
 
 def shown(comparison: Comparison) -> tuple[str, ...]:
@@ -32,3 +34,11 @@ def title_of(stratum: Stratum) -> str:
 def shortened(text: str) -> str:
     """Return a name that fits beside an axis."""
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 1]}…"
+
+
+def error_text(cell: Cell) -> str:
+    """Return within what ΔE00 a cell's fitted colour is known, "" if it is not."""
+    error = float(cell.colour.delta_e)
+    if not np.isfinite(error):
+        return ""
+    return f"± {error:.2f} ΔE00" if error >= 0.01 else "± < 0.01 ΔE00"

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 _LETTER = 0.062  # inches: width of a letter beside the panel
 _WIDE, _TALL, _LEAST = 0.5, 0.36, 2.0  # inches: a cell; a panel's width
 _LARGEST = 7.5  # points
-_LEVEL = 4  # columns whose names are written level; those of more stand upright
+_LEVEL = 4, 13  # columns, and letters of names, that are written level at most
 _DARK = 0.55  # of the colour scale, from where words are white
 
 
 def matrix_cells(n: int, names: Sequence[str]) -> Cells:
     """Return room for n panels, with the names at their left and below."""
     words = 0.12 + _LETTER * max(map(len, names))
-    below = words if len(names) > _LEVEL else 0.2
+    below = words if _upright(names) else 0.2
     return Cells(
         n,
         (_TALL * len(names),),
@@ -77,7 +77,7 @@ def delta_e_matrix(
                 fontsize=size,
                 color="w" if dark else "k",
             )
-    upright = n > _LEVEL
+    upright = _upright(names)
     axes.set_xticks(
         range(n),
         names,
@@ -89,3 +89,9 @@ def delta_e_matrix(
     axes.tick_params(length=0)
     for side in axes.spines.values():
         side.set_visible(False)
+
+
+def _upright(names: Sequence[str]) -> bool:
+    """Return whether the names of columns are too many or too long to lie level."""
+    columns, letters = _LEVEL
+    return len(names) > columns or max(map(len, names)) > letters
