@@ -235,7 +235,8 @@ def _reading(comparison: Comparison) -> Iterator[str]:
     )
     yield (
         "- Intervals of ΔE00 and of swatches are what the covariance of the fit to the "
-        f"mean spectrum allows; the spread between {unit}s is not in them."
+        f"mean spectrum allows; the spread between {unit}s is not in them. levels.csv "
+        "has these fits, with intervals of their own."
     )
 
 
