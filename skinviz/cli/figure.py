@@ -44,7 +44,7 @@ def figure(
     out
         Folder to write into; made if it does not exist.
     size
-        Width in mm, 80 to 1000; each figure's own if not said, 89 or 183.
+        Width in mm, 50 to 1000; each figure's own if not said, 89 or 183.
     dots
         Per inch, of pictures.
     seed
@@ -59,8 +59,9 @@ def figure(
     from skinviz.errors import ArgumentError, SkinvizError
     from skinviz.view.gallery.catalogue import NAMES, recipe_of, settings_for
 
-    wanted = NAMES if ALL in names or (list and not names) else dict.fromkeys(names)
-    recipes = [recipe_of(name) for name in wanted]
+    named = [recipe_of(name) for name in dict.fromkeys(names) if name != ALL]
+    every = ALL in names or (list and not names)
+    recipes = [recipe_of(name) for name in NAMES] if every else named
     if list:
         _say_list(recipes, json=json)
         return

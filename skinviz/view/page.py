@@ -33,7 +33,7 @@ STYLE: dict[Any, Any] = {
 }
 """Matplotlib's settings for all that is drawn on a page: use ``rc_context``."""
 
-NARROWEST, WIDEST = 2.4, 40.0
+NARROWEST, WIDEST = 1.9, 40.0
 """Widths that a page may have. [inches]"""
 
 EDGE = 0.08
@@ -70,8 +70,8 @@ class Cells:
         How many cells.
     heights : tuple of float
         Of a cell's panels, from the top. [inches]; negative: in panel widths
-    gap : float
-        Between the panels of a cell. [inches]
+    gap : float or tuple of float
+        Between the panels of a cell, the same or each. [inches]
     least : float
         Width of a panel under which there are fewer cells in a row. [inches]
     margins : Margins
@@ -84,11 +84,18 @@ class Cells:
 
     n: int
     heights: tuple[float, ...] = (2.0,)
-    gap: float = 0.12
+    gap: float | tuple[float, ...] = 0.12
     least: float = 1.9
     margins: Margins = Margins()
     most: int | None = None
     indent: float = 0.0
+
+    @property
+    def gaps(self) -> tuple[float, ...]:
+        """What is left free under each panel of a cell but the last. [inches]"""
+        if isinstance(self.gap, tuple):
+            return self.gap
+        return (self.gap,) * (len(self.heights) - 1)
 
     def columns(self, room: float) -> int:
         """Return how many cells stand side by side in some inches."""
@@ -108,8 +115,7 @@ class Cells:
     def height(self, room: float) -> float:
         """Return the height of the block in some inches of width."""
         rows = -(-self.n // self.columns(room))
-        heights = self.sizes(room)[1]
-        stack = sum(heights) + self.gap * (len(heights) - 1)
+        stack = sum(self.sizes(room)[1]) + sum(self.gaps)
         return rows * (self.margins.top + stack + self.margins.bottom)
 
     def boxes(self, room: float) -> Iterator[list[tuple[float, float, float, float]]]:
@@ -122,9 +128,9 @@ class Cells:
             left = self.indent + column * cell + self.margins.left
             top = row * self.height(room) / rows + self.margins.top
             stack = []
-            for tall in heights:
+            for tall, free in zip(heights, (*self.gaps, 0.0), strict=True):
                 stack.append((left, top, width, tall))
-                top += tall + self.gap
+                top += tall + free
             yield stack
 
 
@@ -185,7 +191,7 @@ def lay_out(
     Parameters
     ----------
     width : float
-        Of the figure. [inches], 2.4 to 40
+        Of the figure. [inches], 1.9 to 40
     blocks : sequence of Cells
         From the top.
     title, caption : str
@@ -249,6 +255,12 @@ def write(
         )
 
 
+def align_ylabels(panels: Sequence[Axes], distance: float = 0.46) -> None:
+    """Set the labels of upward axes some inches to the left of their panels."""
+    for axes in panels:
+        axes.yaxis.set_label_coords(-distance / inches_of(axes)[0], 0.5)
+
+
 def inches_of(axes: Axes) -> tuple[float, float]:
     """Return the width and height of axes in inches."""
     box, across = axes.get_position(), axes.figure.dpi_scale_trans.inverted()
@@ -260,6 +272,27 @@ def fitting_size(lines: Sequence[str], width: float, largest: float) -> float:
     """Return the letters' size [points] at which lines fit into some inches."""
     letters = max(map(len, lines), default=0)
     return min(largest, width * 72 / (_EM * max(letters, 1)))
+
+
+def in_cells(
+    labels: Sequence[str], width: float, size: float
+) -> tuple[list[str], float]:
+    """Return labels wrapped so that they stand side by side, and their letters' size.
+
+    Parameters
+    ----------
+    labels : sequence of str
+        One line each.
+    width : float
+        That they share. [inches]
+    size : float
+        Of letters, at most. [points]
+    """
+    room = 0.94 * width / len(labels)
+    letters = max(int(room * 72 / (_EM * size)), 7)
+    told = ["\n".join(textwrap.wrap(label, letters)) for label in labels]
+    lines = [line for label in told for line in label.splitlines()]
+    return told, fitting_size(lines, room, size)
 
 
 def _legend_columns(labels: Sequence[str], room: float) -> int:

@@ -16,6 +16,7 @@ from skinviz.spectra.colorimetry import (
     spectrum_to_xyz,
     xyz_to_linear_srgb,
 )
+from skinviz.view.page import inches_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,6 +28,7 @@ MEASURED, FITTED, SPECULAR = "#1a1a1a", "#c8452d", "#2d6fc8"
 """Colours of the curves, told apart also by the colour-blind and by their dashes."""
 
 _VISIBLE = (400.0, 700.0)
+_TICKS_FIT = 1.9  # inches, from which a wavelength every 50 nm can be read
 _STRIP = 5.0  # points: height of the colours under the wavelength axis
 
 
@@ -88,7 +90,8 @@ def radiance_panel(axes: Axes, spectrum: VertexSpectrum) -> None:
 def wavelength_axis(axes: Axes, *, labelled: bool = True) -> None:
     """Set the wavelength axis to 400–700 nm, the visible colours under it."""
     axes.set_xlim(*_VISIBLE)
-    axes.set_xticks(np.arange(400, 701, 50))
+    step = 50 if inches_of(axes)[0] > _TICKS_FIT else 100
+    axes.set_xticks(np.arange(400, 701, step))
     axes.grid(visible=True, color="0.92", lw=0.6)
     axes.set_axisbelow(True)
     if not labelled:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from skinviz.view.page import in_cells, inches_of
 from skinviz.view.styles import line
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ def quantiles_of(values: ArrayLike) -> dict[str, float]:
 
 
 def boxes_panel(axes: Axes, rows: pd.DataFrame, labels: Sequence[str]) -> None:
-    """Draw a box for each row; labels stand under them, aslant."""
+    """Draw a box for each row, labelled underneath."""
     stats = [
         {
             "whislo": row["q05"],
@@ -55,8 +56,9 @@ def boxes_panel(axes: Axes, rows: pd.DataFrame, labels: Sequence[str]) -> None:
     )
     for k, box in enumerate(drawn["boxes"]):
         box.set(facecolor=line(k).colour, alpha=0.45, edgecolor="k", lw=0.8)
-    axes.set_xticks(range(len(labels)), list(labels), rotation=35, ha="right")
-    axes.tick_params(axis="x", pad=1, length=2)
-    axes.set_xlim(-0.6, len(labels) - 0.4)
+    told, size = in_cells(labels, inches_of(axes)[0], 7.5)
+    axes.set_xticks(range(len(labels)), told, fontsize=size)
+    axes.tick_params(axis="x", pad=2, length=2)
+    axes.set_xlim(-0.5, len(labels) - 0.5)
     axes.grid(visible=True, axis="y", color="0.92", lw=0.6)
     axes.set_axisbelow(True)

@@ -44,7 +44,7 @@ MODULES = {
 NAMES = tuple(MODULES)
 """Names that :func:`figure` knows, in the order of the gallery."""
 
-NARROWEST, WIDEST = 80.0, 1000.0
+NARROWEST, WIDEST = 50.0, 1000.0
 """Widths that a figure may be given. [mm]"""
 
 
@@ -139,7 +139,7 @@ def figure(
         "1a", "1b", "5" to "10", "table-1" to "table-3" are the paper's; "transport",
         "uncertainty", "population", "metamerism", "metameric-lights" go beyond it.
     width : float, optional
-        Of the figure; its own if not said. [mm], 80 to 1000
+        Of the figure; its own if not said. [mm], 50 to 1000
     seed : int
         Of what is drawn by lot: the same seed gives the same numbers.
     dots : int

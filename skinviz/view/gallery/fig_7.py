@@ -17,7 +17,7 @@ from skinviz.view.gallery.recipe import (
     Material,
     Settings,
 )
-from skinviz.view.page import Cells, Margins, lay_out
+from skinviz.view.page import Cells, Margins, align_ylabels, lay_out
 from skinviz.view.panels import wavelength_axis
 from skinviz.view.spectra_panels import ROW, Swatch, srgb_of, swatch_rows
 from skinviz.view.styles import Line
@@ -83,10 +83,10 @@ def draw(material: Material, settings: Settings) -> Figure:
         [
             Cells(
                 len(SITES),
-                (1.7, 0.6, 0.32, 3 * ROW),
-                gap=0.1,
+                (1.7, 0.6, 3 * ROW),
+                gap=(0.1, 0.52),
                 least=1.65,
-                margins=Margins(left=0.62, bottom=0.1),
+                margins=Margins(left=0.72, bottom=0.1),
             )
         ],
         title=RECIPE.title,
@@ -97,15 +97,13 @@ def draw(material: Material, settings: Settings) -> Figure:
     top = 1.05 * table[["measured", *_MODELS]].to_numpy().max()
     apart = table[[*_MODELS]].to_numpy() - table[["measured"]].to_numpy()
     spread = 1.1 * np.abs(apart).max()
-    for site, (curves, residuals, gap, colours) in zip(
-        SITES, page.blocks[0], strict=True
-    ):
-        gap.set_axis_off()
+    for site, (curves, residuals, colours) in zip(SITES, page.blocks[0], strict=True):
         own = table[table["site"] == site]
         handles = _curves(curves, own)
         curves.set(title=site, ylim=(0, top))
         _residuals(residuals, own)
         residuals.set_ylim(-spread, spread)
+        align_ylabels([curves, residuals], 0.54)
         swatch_rows(colours, _swatches(fits[fits["site"] == site]))
     page.legend(handles, labels)
     return page.figure

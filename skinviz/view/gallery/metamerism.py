@@ -19,7 +19,7 @@ from skinviz.view.gallery.recipe import (
     Material,
     Settings,
 )
-from skinviz.view.page import Cells, Margins, lay_out
+from skinviz.view.page import Cells, Margins, in_cells, inches_of, lay_out
 from skinviz.view.panels import wavelength_axis
 from skinviz.view.spectra_panels import srgb_of
 from skinviz.view.styles import LINES
@@ -99,22 +99,20 @@ def draw(material: Material, settings: Settings) -> Figure:
     page = lay_out(
         settings.width,
         [
-            Cells(1 + _SHOWN, (1.5, 0.42, 0.55), gap=0.05, least=1.5, margins=_AROUND),
+            Cells(1 + _SHOWN, (1.5, 0.55), gap=0.52, least=1.5, margins=_AROUND),
         ],
         title=RECIPE.title,
         legend=["one skin of a pair", "the other"],
         caption=RECIPE.credit,
     )
     summary = material.table
-    (boxes, *rest), *cells = page.blocks[0]
-    for axes in rest:
-        axes.set_axis_off()
+    (boxes, unused), *cells = page.blocks[0]
+    unused.set_axis_off()
     boxes_panel(boxes, summary, list(summary["light"]))
     boxes.set(title="all matching pairs", ylabel="ΔE00", ylim=(0, None))
     pairs, spectra = material.tables["pairs"], material.tables["spectra"]
     top = 1.05 * spectra.drop(columns="wavelength_nm").to_numpy().max()
-    for k, (curves, gap, colours) in enumerate(cells, 1):
-        gap.set_axis_off()
+    for k, (curves, colours) in enumerate(cells, 1):
         own = pairs[pairs["pair"] == k]
         for side, style in zip("ab", LINES, strict=False):
             curves.plot(
@@ -174,8 +172,10 @@ def _colours(axes: Axes, own: pd.DataFrame) -> None:
     axes.imshow(rgb, aspect="auto", extent=(0, len(lights), 0, 2))
     apart = sides[0]["delta_e_00"].to_numpy()
     ticks = np.arange(len(lights)) + 0.5
-    labels = [f"{light}\n{d:.1f}" for light, d in zip(lights, apart, strict=True)]
-    axes.set_xticks(ticks, labels, fontsize=5.5)
+    told, size = in_cells(lights, inches_of(axes)[0], 6.5)
+    axes.set_xticks(ticks, told, fontsize=size)
+    for x, d in zip(ticks, apart, strict=True):
+        axes.text(x, 1.5, f"{d:.1f}", ha="center", va="center", fontsize=6.5)
     axes.set_yticks([])
     axes.tick_params(length=0, pad=2)
 

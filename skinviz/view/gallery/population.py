@@ -61,13 +61,12 @@ def draw(material: Material, settings: Settings) -> Figure:
     groups = sorted(table["group"].unique())
     page = lay_out(
         settings.width,
-        [Cells(len(SITES), (1.7, 0.42, 1.7), gap=0.05, least=1.6)],
+        [Cells(len(SITES), (1.7, 1.7), gap=0.52, least=1.6)],
         title=RECIPE.title,
         legend=groups,
         caption=RECIPE.credit,
     )
-    for site, (colours, gap, pigments) in zip(SITES, page.blocks[0], strict=True):
-        gap.set_axis_off()
+    for site, (colours, pigments) in zip(SITES, page.blocks[0], strict=True):
         own = table[table["site"] == site]
         handles = _scatter(colours, own, groups, ("b", "L"))
         _colour_axes(colours, table)

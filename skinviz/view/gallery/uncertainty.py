@@ -80,7 +80,7 @@ def draw(material: Material, settings: Settings) -> Figure:
     """Draw a panel for each quantity, a box for each site."""
     page = lay_out(
         settings.width,
-        [Cells(len(PANELS), (1.35,), least=1.4, most=3, margins=Margins(bottom=0.62))],
+        [Cells(len(PANELS), (1.35,), least=1.4, most=3, margins=Margins(bottom=0.42))],
         title=RECIPE.title,
         legend=[_BETWEEN],
         caption=RECIPE.credit,
