@@ -107,21 +107,6 @@ def paired_contrast(first: ArrayLike, second: ArrayLike) -> Contrast:
     )
 
 
-def holm(p: ArrayLike) -> Array:
-    """Return p-values (n,) corrected for their number.
-
-    References
-    ----------
-    .. [1] S. Holm, Scand. J. Stat. 6:65 (1979).
-    """
-    own = as_numbers(p, "p")
-    order = np.argsort(own, kind="stable")
-    stepped = own[order] * np.arange(own.size, 0, -1)
-    corrected = np.zeros(own.size)
-    corrected[order] = np.minimum(np.maximum.accumulate(stepped), 1.0)
-    return corrected
-
-
 def verdict(contrasts: Sequence[Contrast], corrected: ArrayLike, extreme: str) -> str:
     """Return what contrasts of one site with each other one make of a claim.
 

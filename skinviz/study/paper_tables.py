@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.skin.coefficients import layer_thickness
-from skinviz.study.orders import Contrast, holm, paired_contrast, verdict
+from skinviz.study.orders import Contrast, paired_contrast, verdict
 from skinviz.study.people import People, at_quantiles
+from skinviz.study.statistics import holm
 from skinviz.study.tables import (
     PAPER_WEIGHTS,
     SITES,

@@ -145,7 +145,8 @@ def swatch_rows(axes: Axes, swatches: Sequence[Swatch]) -> None:
     axes.set_xlim(0, width)
     axes.set_ylim(n, 0)
     axes.set_axis_off()
-    patch = min(0.5, 0.3 * width)
+    parts = max((len(np.atleast_2d(swatch.rgb)) for swatch in swatches), default=1)
+    patch = min(max(0.5, 0.24 * parts), 0.3 * width)
     for row, swatch in enumerate(swatches):
         axes.imshow(
             np.atleast_2d(swatch.rgb)[None],

@@ -7,7 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from skinviz.errors import ArgumentError
-from skinviz.study.orders import Contrast, holm, paired_contrast, verdict
+from skinviz.study.orders import Contrast, paired_contrast, verdict
+from skinviz.study.statistics import holm
 
 
 def a_sample(n, shift, seed=3, digits=6):
