@@ -36,9 +36,14 @@ if TYPE_CHECKING:
     from skinviz.scan.simulate import Scanner, simulate_scan
     from skinviz.scene.camera import Camera
     from skinviz.scene.hand import HandFrame, hand_frame
+    from skinviz.scene.landmarks import landmarks
     from skinviz.scene.lights import DirectionalLight, PointLight
+    from skinviz.scene.painted import painted_image, painted_vertices
+    from skinviz.scene.pigment_map import pigment_map
+    from skinviz.scene.relief import Relief
     from skinviz.scene.scene import Scene, Skin
     from skinviz.scene.scene_file import read_scene
+    from skinviz.scene.texture import SkinTexture, textured
     from skinviz.skin.fit import fit_skin
     from skinviz.skin.kubelka_munk import kubelka_munk_layer
     from skinviz.skin.models import skin_model, skin_models
@@ -54,6 +59,11 @@ if TYPE_CHECKING:
         line_lamp,
         read_illuminant,
     )
+    from skinviz.study.archive_study import archive_study
+    from skinviz.study.comparing import compare_study
+    from skinviz.study.comparison import Comparison
+    from skinviz.study.study import Study
+    from skinviz.study.study_file import read_study
     from skinviz.surface.cook_torrance import CookTorrance
     from skinviz.surface.fitted_lobe import LobeFit
     from skinviz.surface.gonio import read_gonio
@@ -62,6 +72,7 @@ if TYPE_CHECKING:
     from skinviz.surface.models import surface_model, surface_models
     from skinviz.surface.phong import Phong
     from skinviz.surface.torrance_sparrow import TorranceSparrow
+    from skinviz.view.gallery.catalogue import GalleryFigure, figure
 
 # Loaded when first used, so that ``import skinviz`` costs next to nothing.
 _HOME = {
@@ -91,11 +102,18 @@ _HOME = {
     "HandFrame": "scene.hand",
     "hand_frame": "scene.hand",
     "Camera": "scene.camera",
+    "landmarks": "scene.landmarks",
     "DirectionalLight": "scene.lights",
     "PointLight": "scene.lights",
+    "painted_image": "scene.painted",
+    "painted_vertices": "scene.painted",
+    "pigment_map": "scene.pigment_map",
+    "Relief": "scene.relief",
     "Scene": "scene.scene",
     "Skin": "scene.scene",
     "read_scene": "scene.scene_file",
+    "SkinTexture": "scene.texture",
+    "textured": "scene.texture",
     "SkinFit": "skin.skin_fit",
     "fit_skin": "skin.fit",
     "kubelka_munk_layer": "skin.kubelka_munk",
@@ -104,6 +122,11 @@ _HOME = {
     "load_archive": "spectra.archives",
     "read_spectra": "spectra.files",
     "write_spectra": "spectra.files",
+    "Comparison": "study.comparison",
+    "Study": "study.study",
+    "archive_study": "study.archive_study",
+    "compare_study": "study.comparing",
+    "read_study": "study.study_file",
     "SRGB": "spectra.display",
     "Display": "spectra.display",
     "measured_display": "spectra.display",
@@ -124,6 +147,8 @@ _HOME = {
     "surface_model": "surface.models",
     "surface_models": "surface.models",
     "TorranceSparrow": "surface.torrance_sparrow",
+    "GalleryFigure": "view.gallery.catalogue",
+    "figure": "view.gallery.catalogue",
 }
 
 __all__ = ["__version__", *sorted(_HOME)]  # noqa: PLE0604 - names are in _HOME
