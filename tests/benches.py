@@ -37,7 +37,7 @@ def subject(lobe=None, n=1.4):
     light, view = np.arange(-85.0, 86.0), np.arange(0.0, 86.0)
     table = np.zeros((light.size, view.size))
     if lobe is not None:
-        table = lobe(light[:, None], view)
+        table = table + lobe(light[:, None], view)
     return Subject(NM, skin(), light, view, table, n)
 
 
