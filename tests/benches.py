@@ -14,13 +14,19 @@ from skinviz.instruments import (
     pr655_replies,
     zaber_replies,
 )
+from skinviz.instruments.certificate import Certificate
 from skinviz.instruments.link import Link
 from skinviz.instruments.meters import Grid
 from skinviz.instruments.ports import open_meter
+from skinviz.instruments.session import begin, resume
 from skinviz.instruments.simulate.faults import Faults
+from skinviz.instruments.simulate.hands import SimulatedHands
 from skinviz.instruments.simulate.scene import Bench, QuickTime, Subject
 from skinviz.instruments.simulate.serve import serve
 from skinviz.instruments.simulate.start import DEVICES
+from skinviz.skin.models import skin_model
+from skinviz.surface.lobe_curve import in_plane
+from skinviz.surface.torrance_sparrow import TorranceSparrow
 
 NM = np.arange(360.0, 801.0)
 GRID = Grid(380.0, 4.0, 101)
@@ -46,6 +52,62 @@ def bench(**options):
     quiet = {"shot": 0.0, "read": 0.0, "exposure": 0.1, "time": QuickTime()}
     tile = (NM, 0.98 - 0.02 * (NM - 360) / 440)
     return Bench(**({"subject": subject(), "tile": tile} | quiet | options))
+
+
+WEIGHTS = np.array([0.12, 0.006, 0.004])
+LOBE = TorranceSparrow.from_beta(1.2, 0.27)
+MODEL = skin_model(site="back of hand", specular="excluded")
+
+
+def human(weights=WEIGHTS, lobe=LOBE):
+    """Return skin of known weights with a known lobe."""
+    nm = np.arange(380.0, 781.0)
+    light, view = np.arange(-85.0, 86.0), np.arange(0.0, 86.0)
+    table = in_plane(lobe, np.deg2rad(light)[:, None], np.deg2rad(view))
+    return Subject(nm, MODEL.measured(weights, nm), light, view, table, 1.4)
+
+
+def certificate(on):
+    """Return the certificate of a bench's tile, right to the last digit."""
+    nm, factor = on.tile
+    return Certificate(nm, factor, np.full(nm.size, 0.001), "tile.csv", "0" * 64)
+
+
+class Watching:
+    """Counts what a session tells."""
+
+    def __init__(self):
+        self.begun, self.seen, self.errors = [], 0, []
+
+    def begins(self, step, of):
+        self.begun.append((step.number, of))
+
+    def read(self, step, readings, of):  # noqa: ARG002
+        self.seen += 1
+
+    def failed(self, error):
+        self.errors.append(type(error).__name__)
+
+
+NOISY = {"shot": 0.004, "read": 0.0003, "exposure": 5.0}
+
+
+def run_session(path, plan, on, *, model="pr655", again=False, faults=(), stop=None):
+    """Measure a plan on a bench, or what is left of it; return who watched."""
+    watching = Watching()
+    with simulated(model, on=on) as (meter, device):
+        device.faults.add(faults)
+        hands = SimulatedHands(on, 10.0)
+        clock = on.time.now
+        if again:
+            session = resume(path, meter, clock=clock)
+        else:
+            session = begin(path, plan, certificate(on), meter, clock=clock)
+        with session.log:
+            session.run(
+                meter, hands.stage(), hands, watching, stop=stop, pause=on.time.elapse
+            )
+    return watching
 
 
 @contextlib.contextmanager

@@ -51,12 +51,16 @@ class Polarisers:
 
 @dataclass(frozen=True, eq=False)
 class Separated:
-    """Diffuse and specular part (n,) each, with standard uncertainties. [1]"""
+    """Diffuse and specular part (n,) each, with standard uncertainties. [1]
+
+    ``u_shared`` is what of the specular part's all bands share.
+    """
 
     diffuse: Array
     specular: Array
     u_diffuse: Array
     u_specular: Array
+    u_shared: Array
 
 
 def fresnel_amplitudes(angle: float, n: float) -> tuple[float, float]:
@@ -213,6 +217,7 @@ def separate(
         found.specular,
         np.hypot(found.u_diffuse, other.diffuse - found.diffuse),
         np.hypot(found.u_specular, other.specular - found.specular),
+        np.abs(other.specular - found.specular),
     )
 
 
@@ -242,4 +247,5 @@ def _solve(
         (dd * sf - ds * df) / det,
         np.sqrt(ss / det),
         np.sqrt(dd / det),
+        np.zeros(det.shape),
     )

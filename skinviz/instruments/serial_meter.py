@@ -38,7 +38,7 @@ class SerialMeter(ABC):
     RTSCTS: ClassVar[bool] = False
     """Whether the handshake of the lines RTS and CTS is used."""
     LONGEST: ClassVar[float] = 60.0
-    """What a measurement may take. [s]"""
+    """What a measurement may take whose exposure is adaptive. [s]"""
 
     def __init__(self, link: Link, *, pauses: float = 1.0) -> None:
         """Enter the instrument's remote mode and ask who it is."""
@@ -102,7 +102,7 @@ class SerialMeter(ABC):
         self._keep_in_step()
         self._in_step = False
         self._set(exposure, average, sync)
-        self._longest = max(self.LONGEST, 10 + 3 * exposure * average)
+        self._longest = self.LONGEST + 3 * exposure * average
         self._in_step = True
 
     def measure(self, *, within: float | None = None) -> Reading:

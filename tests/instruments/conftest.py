@@ -11,3 +11,5 @@ def _short_waits(monkeypatch):
     monkeypatch.setattr("skinviz.instruments.serial_meter._QUIET", 0.03)
     monkeypatch.setattr("skinviz.instruments.stages._ANSWER", 0.2)
     monkeypatch.setattr("skinviz.instruments.stages._POLL", 0.005)
+    for name in ("pr655.PR670", "cr250.CR250", "serial_meter.SerialMeter"):
+        monkeypatch.setattr(f"skinviz.instruments.{name}.LONGEST", 0.5)

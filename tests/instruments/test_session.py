@@ -1,0 +1,232 @@
+"""Sessions: faults made good, stops, resumes, and sudden ends."""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from benches import NM, bench, certificate, run_session, simulated
+
+from skinviz.errors import DataError, SkinvizError
+from skinviz.instruments.derive import derive, read_session
+from skinviz.instruments.errors import (
+    DriftExceeded,
+    LinkLost,
+    OverRange,
+    Stopped,
+    Unsteady,
+    WhiteMissing,
+)
+from skinviz.instruments.plan import Plan
+from skinviz.instruments.session import begin, finished
+from skinviz.instruments.simulate.hands import SimulatedHands
+from skinviz.instruments.simulate.scene import halogen
+from skinviz.instruments.skinlog import read_log
+
+PLAN = Plan(repeats=2, warm_up=False)
+SHORT = Plan(repeats=2)
+
+
+def _kinds(path):
+    return [record["kind"] for record in read_log(path).records]
+
+
+def _complete(path):
+    log = read_log(path)
+    plan = Plan.from_json(log.header["plan"])
+    return len(finished(log, plan)) == len(plan.steps)
+
+
+def test_a_session_logs_every_reading_raw_with_its_conversation(tmp_path):
+    path = tmp_path / "a.skinlog"
+    watching = run_session(path, PLAN, bench())
+    log = read_log(path)
+    readings = [r for r in log.records if r["kind"] == "reading"]
+    assert len(readings) == len(PLAN.steps) * 2 == watching.seen
+    assert _kinds(path)[-1] == "end"
+    assert _complete(path)
+    first = readings[0]
+    sent = [said[2] for said in first["said"] if said[1] == ">"]
+    assert "M5\r" in sent
+    came = [said[2] for said in first["said"] if said[1] == "<"]
+    row = f"{first['radiance'][0]:.3e}"
+    assert any(line.endswith(row) for line in came)
+    assert log.header["meter"]["serial"] == "61234567"
+    assert not any("radiance_factor" in record for record in log.records)
+
+
+def test_the_lamp_settles_first(tmp_path):
+    path = tmp_path / "a.skinlog"
+    run_session(path, SHORT, bench())
+    warming = [r for r in read_log(path).records if r.get("step") == -1]
+    sums = [sum(r["radiance"]) for r in warming if r["kind"] == "reading"]
+    assert len(sums) > 5  # it begins 2 % too dim
+    assert np.ptp(sums[-3:]) < 0.002 * sums[-1] < np.ptp(sums[:3])
+
+
+def test_a_lamp_that_never_settles_ends_the_session(tmp_path, monkeypatch):
+    monkeypatch.setattr("skinviz.instruments.session._MOST_WARMING", 6)
+    lamp = halogen()
+    wild = type(lamp)(lamp.wavelengths, lamp.radiance, drift=3.0)
+    with pytest.raises(Unsteady, match="half an hour"):
+        run_session(tmp_path / "a.skinlog", SHORT, bench(lamp=wild))
+
+
+@pytest.mark.parametrize("model", ["pr655", "pr650", "cr250"])
+def test_what_can_be_made_good_is(tmp_path, model):
+    path = tmp_path / "a.skinlog"
+    faults = ["cut", "", "silent", "drop_row", "", "unsteady"]
+    watching = run_session(path, PLAN, bench(), model=model, faults=faults)
+    assert set(watching.errors) == {"TruncatedReply", "NoReply", "Unsteady"}
+    assert _kinds(path).count("error") == len(watching.errors)
+    assert _complete(path)
+    read_session(path)
+
+
+def test_too_much_light_is_for_the_user_to_change(tmp_path):
+    path = tmp_path / "a.skinlog"
+    with pytest.raises(OverRange):
+        run_session(path, PLAN, bench(), faults=["", "", "over"])
+    assert _kinds(path)[-1] == "error"
+    run_session(path, None, bench(), again=True)
+    assert _complete(path)
+
+
+def test_stray_light_that_is_too_dark_to_measure_is_none(tmp_path):
+    path = tmp_path / "a.skinlog"
+    on = bench(ambient=0.0)
+    run_session(path, PLAN, on)
+    assert _kinds(path).count("dark") == 4
+    spectra = read_session(path)
+    truth = np.interp(spectra.wavelength, NM, on.subject.reflectance)
+    np.testing.assert_allclose(spectra.reflectance.values[0], truth, rtol=2e-3)
+
+
+def test_a_pulled_cable_loses_the_reading_in_flight_and_no_other(tmp_path):
+    path = tmp_path / "a.skinlog"
+    with pytest.raises(LinkLost):
+        run_session(path, PLAN, bench(), faults=[""] * 6 + ["unplug"])
+    assert _kinds(path).count("reading") == 6
+    watching = run_session(path, None, bench(), again=True)
+    assert _complete(path)
+    # The white is measured anew before the skin, as the lamp may have been off.
+    assert watching.begun[0][0] == 1
+    read_session(path)
+
+
+def test_a_session_stops_when_asked_and_goes_on(tmp_path):
+    path = tmp_path / "a.skinlog"
+    stop = threading.Event()
+    stop.set()
+    with pytest.raises(Stopped, match="--resume"):
+        run_session(path, PLAN, bench(), stop=stop)
+    with pytest.raises(DataError, match="no reading"):
+        derive(read_log(path))
+    run_session(path, None, bench(), again=True)
+    assert _complete(path)
+    before = path.read_bytes()
+    assert not run_session(path, None, bench(), again=True).begun
+    assert path.read_bytes().startswith(before)
+
+
+def test_an_unfinished_session_says_what_is_missing(tmp_path):
+    path = tmp_path / "a.skinlog"
+    # ambient and white, ambient and skin: the second white is missing
+    with pytest.raises(OverRange):
+        run_session(path, PLAN, bench(), faults=[""] * 8 + ["over"])
+    with pytest.raises(WhiteMissing, match=r"a\.skinlog.*after.*--resume"):
+        read_session(path)
+
+
+def test_too_much_drift_is_refused(tmp_path):
+    path = tmp_path / "a.skinlog"
+    lamp = halogen()
+    fast = type(lamp)(lamp.wavelengths, lamp.radiance, drift=-2.0, warm_up=0.0)
+    run_session(path, PLAN, bench(lamp=fast, exposure=5.0))
+    with pytest.raises(DriftExceeded, match="settle"):
+        read_session(path)
+
+
+def test_another_instrument_does_not_go_on(tmp_path):
+    path = tmp_path / "a.skinlog"
+    run_session(path, PLAN, bench())
+    with pytest.raises(DataError, match="was measured with PR-655"):
+        run_session(path, None, bench(), model="pr650", again=True)
+    run_session(path, None, bench(), again=True)  # the log is not locked for good
+
+
+def test_a_log_that_is_there_is_not_measured_over(tmp_path):
+    path = tmp_path / "a.skinlog"
+    run_session(path, PLAN, bench())
+    with pytest.raises(SkinvizError, match="exists"):
+        run_session(path, PLAN, bench())
+
+
+class Telling:
+    """Writes the count of readings that are done into a pipe."""
+
+    def __init__(self, pipe):
+        self.pipe, self.count = pipe, 0
+
+    def begins(self, step, of):
+        pass
+
+    def read(self, step, readings, of):  # noqa: ARG002
+        self.count += 1
+        os.write(self.pipe, self.count.to_bytes(4, "big"))
+
+    def failed(self, error):
+        pass
+
+
+def killed_session(path, plan, after):
+    """Measure in a process that is killed after so many seconds.
+
+    Return how many readings it had said to be done.
+    """
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            on = bench()
+            with simulated("pr655", on=on) as (meter, _):
+                hands = SimulatedHands(on, 1.0)
+                session = begin(path, plan, certificate(on), meter, clock=on.time.now)
+                with session.log:
+                    session.run(
+                        meter,
+                        hands.stage(),
+                        hands,
+                        Telling(theirs),
+                        pause=on.time.elapse,
+                    )
+        finally:
+            os._exit(0)
+    os.close(theirs)
+    time.sleep(after)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with os.fdopen(ours, "rb") as pipe:
+        told = pipe.read()
+    return int.from_bytes(told[-4:], "big")
+
+
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_sudden_end_loses_no_reading_that_was_done(tmp_path):
+    rng = np.random.default_rng(3)
+    interrupted = 0
+    for i in range(6):
+        path = tmp_path / f"{i}.skinlog"
+        done = killed_session(path, PLAN, rng.uniform(0.02, 0.12))
+        if not path.exists():
+            assert done == 0
+            continue
+        kinds = _kinds(path)
+        assert kinds.count("reading") in (done, done + 1)
+        interrupted += 0 < done < 2 * len(PLAN.steps)
+        run_session(path, None, bench(), again=True)
+        assert _complete(path)
+        assert read_session(path).sizes["record"] == 1
+    assert interrupted
