@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 from skinviz.cli.output import Steps
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
+    from numpy.typing import NDArray
 
 PICTURES = (".png", ".svg", ".pdf")
 """What a figure can be written as."""
@@ -119,6 +121,28 @@ def require_kinds(
             f"{out}: {size} spectra are too many for {suffix}, at most "
             f"{MOST[suffix]}; write .nc" + (" or .hdr" if one_cube else "")
         )
+
+
+def uncertainty_of(
+    spectra: xarray.Dataset, given: float | None
+) -> NDArray[np.float64] | None:
+    """Return the standard deviation of each band: what is given, or the file's own.
+
+    In bands without a reflectance it is 1, as any number would do.
+    """
+    import numpy as np
+
+    reflectance = spectra["reflectance"]
+    if given is not None:
+        return np.full(spectra.sizes["wavelength"], given)
+    own = spectra.get("uncertainty")
+    if own is None or own.attrs.get("units") != "1":
+        return None
+    if set(own.dims) != set(reflectance.dims):
+        return None
+    aligned = own.transpose(*spectra["reflectance"].dims)
+    known = np.isfinite(reflectance.values)
+    return np.where(known, aligned.values.astype(np.float64), 1.0)
 
 
 def is_cube(spectra: xarray.Dataset) -> bool:

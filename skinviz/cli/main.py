@@ -15,6 +15,7 @@ from skinviz.cli.clean import clean
 from skinviz.cli.demo import demo
 from skinviz.cli.fit import fit
 from skinviz.cli.info import info
+from skinviz.cli.measure import measure
 from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.cli.tradeoff import tradeoff
@@ -27,6 +28,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "fit": fit,
     "render": render,
     "tradeoff": tradeoff,
+    "measure": measure,
     "archive": archive,
     "info": info,
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skinviz.errors import DataError
-from skinviz.instruments.arrangement import Arrangement
+from skinviz.instruments.arrangement import WHITE, Arrangement
 from skinviz.instruments.errors import WhiteMissing
 from skinviz.instruments.factor import Array, Frame, between, drift, frame_of
 from skinviz.instruments.plan import AFTER, BEFORE, Plan, Step
@@ -82,6 +82,19 @@ class Frames:
                 found = self.by_step.get(step.number, ())
                 return found[-1] if found else None
         return None
+
+    def scatter(self) -> dict[str, float]:
+        """Return the largest scatter of repeats of the white and of each site. [1]
+
+        The lamp's own is in both; what a site has more is the skin's and the hand's.
+        """
+        found: dict[str, float] = {}
+        for step in self.plan.steps:
+            if step.arrangement.lamp:
+                name = step.sweep if step.sweep in self.plan.sites else WHITE
+                for frame in self.by_step.get(step.number, ()):
+                    found[name] = max(found.get(name, 0.0), frame.scatter)
+        return found
 
     def _of(self, sweep: str, how: Arrangement) -> tuple[Frame, ...]:
         """Return the means of a sweep in an arrangement, whatever the target."""

@@ -42,7 +42,10 @@ class Watcher(Protocol):
         """Take the step that begins, and how many the plan has."""
 
     def read(self, step: Step, readings: Sequence[Reading], of: int) -> None:
-        """Take the readings of a step so far, and how many there will be."""
+        """Take the readings of a step so far, and how many there will be.
+
+        ``of`` is 0 while the lamp settles: as many as that takes.
+        """
 
     def failed(self, error: InstrumentError) -> None:
         """Take an error that is being made good."""
@@ -164,17 +167,19 @@ class _Run:
         first = self.session.plan.steps[0].arrangement
         step = Step(WARMING, BEFORE, replace(first, lamp=True))
         self._arrange(step)
-        sums: list[float] = []
-        while not is_steady(sums):
-            if len(sums) >= _MOST_WARMING:
+        taken: list[Reading] = []
+        while not is_steady([reading.radiance.sum() for reading in taken]):
+            if len(taken) >= _MOST_WARMING:
                 raise Unsteady(
-                    f"the lamp did not settle in {len(sums)} readings; let it warm up "
-                    "for half an hour, check its supply, and go on with --resume"
+                    f"the lamp did not settle in {len(taken)} readings; let it warm "
+                    "up for half an hour, check its supply, and go on with --resume"
                 )
-            if sums:
+            if taken:
                 self.pause(_BETWEEN_WARMING)
-            reading = self._read(step, len(sums))
-            sums.append(0.0 if reading is None else float(reading.radiance.sum()))
+            reading = self._read(step, len(taken))
+            if reading is not None:
+                taken.append(reading)
+                self.watcher.read(step, taken, 0)
 
     def take(self, step: Step) -> None:
         """Take the readings of a step."""
@@ -234,6 +239,7 @@ def begin(
     meter: Spectroradiometer,
     *,
     clock: Callable[[], float] = time.monotonic,
+    written_by: str = "skinviz",
 ) -> Session:
     """Begin a session and its log.
 
@@ -248,19 +254,19 @@ def begin(
         Who measures, for the record; set as the plan says.
     clock : callable
         Seconds, from whenever.
+    written_by : str
+        Program and version, for the record.
 
     Raises
     ------
     SkinvizError
         If the log cannot be written.
     """
-    from skinviz import __version__
-
     zero = clock()
     log = LogWriter.create(
         path,
         {
-            "skinviz": __version__,
+            "written_by": written_by,
             "utc": _now().isoformat(timespec="milliseconds"),
             "plan": plan.to_json(),
             "certificate": certificate.to_json(),

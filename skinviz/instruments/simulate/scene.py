@@ -113,7 +113,7 @@ class QuickTime:
 
     def tick(self) -> None:
         """Let the time pass that a question takes."""
-        self._now += 0.05
+        self._now += 0.5
 
 
 @dataclass(eq=False)
@@ -208,7 +208,7 @@ class Bench:
         """Return the Mueller matrix (3, 3) of the facets, 1 for unpolarised light."""
         facet = np.deg2rad(abs(how.illumination + how.viewing)) / 2
         matrix = optics.reflection(facet, self.subject.n)
-        return np.asarray(matrix / matrix[0, 0])
+        return np.asarray(matrix / max(matrix[0, 0], np.finfo(float).tiny))
 
     def _body(self, light: Array, how: Arrangement) -> Array:
         """Return what light (3,) becomes that enters the skin, scatters and leaves."""

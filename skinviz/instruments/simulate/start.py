@@ -27,7 +27,7 @@ DEVICES: dict[str, type[SimulatedMeter] | type[SimulatedZaber]] = {
 }
 """What can be simulated."""
 
-_OPTIONS = ("fault", "rate", "seed", "baud")
+_OPTIONS = ("fault", "rate", "seed", "baud", "time")
 
 
 def is_simulated(url: str) -> bool:
@@ -46,6 +46,18 @@ def model_of(url: str) -> str:
     return one_of(urlsplit(url).netloc, DEVICES, "simulated instrument")
 
 
+def takes_time(url: str) -> bool:
+    """Return whether a simulated address asks for readings that take their time.
+
+    Raises
+    ------
+    ArgumentError
+        If its ``time=`` is neither "real" nor "quick".
+    """
+    told = parse_qs(urlsplit(url).query).get("time", ["quick"])[-1]
+    return one_of(told, ("quick", "real"), "time= of a simulated instrument") == "real"
+
+
 def start(url: str, bench: Bench) -> Server:
     """Start a simulated instrument at a bench; ``.url`` is the port to open.
 
@@ -55,7 +67,7 @@ def start(url: str, bench: Bench) -> Server:
         ``sim://`` and a key of ``DEVICES``; then, if wanted, ``?`` and ``fault=cut``
         for what happens to the next measurement, once for each; ``rate=0.1`` for the
         share of later ones to which something happens, by ``seed=``; ``baud=9600``
-        for a line as slow as that.
+        for a line as slow as that; ``time=real`` is for :func:`takes_time`.
     bench : Bench
         What it looks at.
 

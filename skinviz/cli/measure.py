@@ -1,0 +1,305 @@
+"""``skinviz measure``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from skinviz.cli.output import say, say_files, say_json
+
+if TYPE_CHECKING:
+    from skinviz.cli.measure_bench import Wanted
+    from skinviz.instruments.derive import Derived
+    from skinviz.instruments.plan import Plan
+    from skinviz.instruments.skinlog import SkinLog
+
+
+def measure(
+    log: Path | None = None,
+    /,
+    *,
+    port: str | None = None,
+    meter: str | None = None,
+    stage: str | None = None,
+    zero: float = 0.0,
+    home: bool = False,
+    plan: Path | None = None,
+    white: Path | None = None,
+    subject: str | None = None,
+    site: tuple[str, ...] = (),
+    resume: bool = False,
+    export: tuple[Path, ...] = (),
+    gonio: Path | None = None,
+    simulate: Path | None = None,
+    seed: int = 0,
+    yes: bool = False,
+    list: bool = False,
+    json: bool = False,
+) -> None:
+    """Measure skin with a spectroradiometer, step by step, or read a session's log.
+
+    Every reading is in the log, on the disk, before the next is taken. Without --port
+    nothing is measured, and what was asked for is made of the log.
+
+    Example: skinviz measure hand.skinlog --port sim://pr655 --yes --export hand.nc
+
+    Parameters
+    ----------
+    log
+        The session's log to write or to read, .skinlog.
+    port
+        Port of the spectroradiometer, as /dev/ttyACM0, socket://host:4001, or
+        sim://pr655 for a simulated one (also pr670, pr650, cr250); auto for the one
+        port whose description names the meter.
+    meter
+        Its model: pr655, pr670, pr650, cr250, cr300; not needed for a simulated one.
+    stage
+        Port of a Zaber stage that turns the lamp, or sim://zaber; by hand if not said.
+    zero
+        Angle of the stage in degrees at which the lamp stands over the normal.
+    home
+        Find the stage's reference position first. It moves.
+    plan
+        What to measure, a TOML file; 45/0 without polarisers if not said.
+    white
+        Certificate of the white tile: CSV of wavelength_nm, factor, uncertainty.
+    subject
+        Pseudonym of the subject, instead of the plan's.
+    site
+        Body site, once for each, instead of the plan's.
+    resume
+        Go on with a session that was interrupted.
+    export
+        Reflectance to write, once for each file: .nc (everything), .csv, .tsv, .spdx,
+        .cgats.
+    gonio
+        Specular part by angle to write, .csv, with the lobe fitted to it.
+    simulate
+        Scene file whose skin and surface a simulated instrument looks at.
+    seed
+        Of a simulated instrument's noise.
+    yes
+        Take every arrangement of a simulated bench as made, and do not ask.
+    list
+        List the serial ports. Nothing is sent to any of them.
+    json
+        Print what was done as JSON.
+    """
+    from skinviz.cli.measure_bench import Wanted
+    from skinviz.errors import ArgumentError
+
+    if list:
+        _list_ports(json)
+        return
+    if log is None:
+        raise ArgumentError("name the session's log, as hand.skinlog, or say --list")
+    wanted = Wanted(
+        log, port, meter, stage, zero, home, plan, white, subject, site, resume,
+        simulate, seed, yes,
+    )  # fmt: skip
+    _require_outputs(log, export, gonio)
+    if port is not None:
+        _measure(wanted, quiet=json)
+    elif wanted.idle:
+        raise ArgumentError(
+            f"{', '.join(wanted.idle)} is for measuring; say --port, or leave it out"
+        )
+    _conclude(log, export, gonio, json=json)
+
+
+def _list_ports(json: bool) -> None:
+    """Print the ports."""
+    import dataclasses
+
+    from skinviz.cli.text_table import Column, table
+    from skinviz.instruments.ports import list_ports
+    from skinviz.instruments.simulate.start import DEVICES, SCHEME
+
+    ports = list_ports()
+    simulated = [SCHEME + name for name in DEVICES]
+    if json:
+        found = [dataclasses.asdict(port) for port in ports]
+        say_json({"ports": found, "simulated": simulated})
+        return
+    if ports:
+        columns = [
+            Column("USB", [port.usb or "-" for port in ports]),
+            Column("serial number", [port.serial or "-" for port in ports]),
+            Column("description", [port.description or "-" for port in ports]),
+        ]
+        for line in table("port", [port.name for port in ports], columns):
+            say(line)
+    else:
+        say("no serial ports; check the cable, or use a simulated instrument")
+    say(f"simulated: {', '.join(simulated)}")
+
+
+def _require_outputs(log: Path, export: Sequence[Path], gonio: Path | None) -> None:
+    """Refuse, before hours of measuring, what could not be written in the end."""
+    from skinviz._validate import one_of
+    from skinviz.instruments.export import SUFFIXES
+    from skinviz.instruments.skinlog import SUFFIX
+
+    one_of(log.suffix, (SUFFIX,), "suffix of a session's log")
+    for path in export:
+        one_of(path.suffix.lower(), SUFFIXES, "suffix of --export")
+    if gonio is not None:
+        one_of(gonio.suffix.lower(), (".csv",), "suffix of --gonio")
+
+
+def _measure(wanted: Wanted, *, quiet: bool) -> None:
+    """Measure, and say how to go on if it ends early."""
+    from skinviz.cli.measure_bench import measured
+    from skinviz.cli.measure_screen import screen
+    from skinviz.instruments.errors import Stopped
+
+    with screen(quiet=quiet) as shown:
+        try:
+            measured(wanted, shown)
+        except KeyboardInterrupt as error:
+            raise Stopped(
+                f"stopped; all readings are in {wanted.log}, go on with --resume"
+            ) from error
+
+
+def _conclude(
+    log: Path, export: Sequence[Path], gonio: Path | None, *, json: bool
+) -> None:
+    """Write and tell what follows from a log."""
+    from skinviz.instruments.derive import derive, lobe_of
+    from skinviz.instruments.errors import InstrumentError
+    from skinviz.instruments.export import export_spectra, write_lobe
+    from skinviz.instruments.skinlog import read_log
+
+    session = read_log(log)
+    try:
+        derived = derive(session)
+    except InstrumentError as error:
+        raise type(error)(f"{log}: {error}") from error
+    files: list[Path] = []
+    for path in export:
+        files += export_spectra(path, session, derived, str(log))
+    told = _told(session, derived)
+    if gonio is not None:
+        site = derived.frames.plan.sites[0]
+        files.append(write_lobe(gonio, lobe_of(derived, site), f"{log}, {site}"))
+        told["lobe"] = _lobe(derived, site)
+    if json:
+        say_json({"log": str(log), **told, "files": [str(path) for path in files]})
+        return
+    for line in _lines(told):
+        say(line)
+    say_files(files)
+
+
+def _told(session: SkinLog, derived: Derived) -> dict[str, Any]:
+    """Return what is worth to know of a session."""
+    import numpy as np
+
+    from skinviz.instruments.derive import spectra_of
+
+    plan: Plan = derived.frames.plan
+    spectra = spectra_of(session, derived, "")
+    rows = zip(
+        spectra["label"].values,
+        spectra["reflectance"].values,
+        spectra["uncertainty"].values,
+        strict=True,
+    )
+    kinds = [record["kind"] for record in session.records]
+    return {
+        "subject": plan.subject,
+        "instrument": spectra.attrs["instrument"],
+        "readings": kinds.count("reading"),
+        "errors": kinds.count("error"),
+        "torn_bytes": session.torn,
+        "spectra": [
+            {
+                "label": str(label),
+                "reflectance_median": float(np.nanmedian(value)),
+                "uncertainty_median": float(np.nanmedian(u)),
+            }
+            for label, value, u in rows
+        ],
+        "scatter": derived.frames.scatter(),
+        "asymmetry": {
+            site: {"value": value, "uncertainty": u}
+            for site, (value, u) in derived.asymmetry.items()
+        },
+        "notes": [*derived.notes],
+    }
+
+
+def _lobe(derived: Derived, site: str) -> dict[str, Any]:
+    """Return the lobe fitted to a site's specular part."""
+    import numpy as np
+
+    from skinviz.instruments.derive import lobe_of
+    from skinviz.surface.lobe_fit import fit_lobe
+
+    lobe = lobe_of(derived, site)
+    fit = fit_lobe(
+        np.deg2rad(lobe.illumination),
+        lobe.specular,
+        viewing=np.deg2rad(lobe.viewing),
+        uncertainty=lobe.uncertainty,
+        n=derived.frames.plan.n,
+    )
+    fit.raise_for_status()
+    found = {
+        name: {"value": float(value), "lower": float(low), "upper": float(high)}
+        for name, value, (low, high) in zip(
+            fit.parameters, fit.values, fit.interval, strict=True
+        )
+    }
+    surface = fit.surface
+    return {
+        **found,
+        "chi_square": fit.chi_square,
+        "readings": int(lobe.specular.size),
+        "surface": {
+            "model": surface.name,
+            "gamma": round(surface.gamma, 4),
+            "n": surface.n,
+            "specular_scale": round(surface.specular_scale, 4),
+        },
+    }
+
+
+def _lines(told: dict[str, Any]) -> list[str]:
+    """Return what is told as lines of text."""
+    from skinviz.cli.text_table import Column, table
+
+    spectra = told["spectra"]
+    lines = [
+        f"{told['subject']}: {told['readings']} readings by {told['instrument']}"
+        + (f", {n} errors in the log" if (n := told["errors"]) else "")
+    ]
+    lines += table(
+        "reflectance",
+        [row["label"] for row in spectra],
+        [
+            Column("median", [f"{row['reflectance_median']:.4f}" for row in spectra]),
+            Column("u", [f"{row['uncertainty_median']:.4f}" for row in spectra]),
+        ],
+    )
+    scatter = ", ".join(f"{name} {x:.2%}" for name, x in told["scatter"].items())
+    lines.append(f"scatter of repeats: {scatter}")
+    lines += [
+        f"asymmetry of diffuse light, {site}: {k['value']:.4f} ± {k['uncertainty']:.4f}"
+        for site, k in told["asymmetry"].items()
+    ]
+    lobe = told.get("lobe")
+    if lobe is not None:
+        lines += [
+            f"{name} {lobe[name]['value']:.4f}, 95 % interval "
+            f"{lobe[name]['lower']:.4f} to {lobe[name]['upper']:.4f}"
+            for name in ("beta", "gamma")
+        ]
+        lines += ["for a scene file:", "[surface]"]
+        lines += [
+            f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x:g}"
+            for key, x in lobe["surface"].items()
+        ]
+    return lines + [f"note: {note}" for note in told["notes"]]
