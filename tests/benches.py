@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import signal
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -117,6 +120,55 @@ def simulated(model, *, on=None, **options):
     device = DEVICES[model](bench() if on is None else on, faults, **options)
     with serve(device) as server, open_meter(model, server.url, pauses=0) as meter:
         yield meter, device
+
+
+class Telling:
+    """Writes the count of readings that are done into a pipe."""
+
+    def __init__(self, pipe):
+        self.pipe, self.count = pipe, 0
+
+    def begins(self, step, of):
+        pass
+
+    def read(self, step, readings, of):  # noqa: ARG002
+        self.count += 1
+        os.write(self.pipe, self.count.to_bytes(4, "big"))
+
+    def failed(self, error):
+        pass
+
+
+def killed_session(path, plan, after):
+    """Measure in a process that is killed after so many seconds.
+
+    Return how many readings it had said to be done.
+    """
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            on = bench()
+            with simulated("pr655", on=on) as (meter, _):
+                hands = SimulatedHands(on, 1.0)
+                session = begin(path, plan, certificate(on), meter, clock=on.time.now)
+                with session.log:
+                    session.run(
+                        meter,
+                        hands.stage(),
+                        hands,
+                        Telling(theirs),
+                        pause=on.time.elapse,
+                    )
+        finally:
+            os._exit(0)
+    os.close(theirs)
+    time.sleep(after)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with os.fdopen(ours, "rb") as pipe:
+        told = pipe.read()
+    return int.from_bytes(told[-4:], "big")
 
 
 class ScriptedPort:

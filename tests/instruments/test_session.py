@@ -1,13 +1,10 @@
 """Sessions: faults made good, stops, resumes, and sudden ends."""
 
-import os
-import signal
 import threading
-import time
 
 import numpy as np
 import pytest
-from benches import NM, bench, certificate, run_session, simulated
+from benches import NM, bench, killed_session, run_session
 
 from skinviz.errors import DataError, SkinvizError
 from skinviz.instruments.derive import derive, read_session
@@ -20,8 +17,7 @@ from skinviz.instruments.errors import (
     WhiteMissing,
 )
 from skinviz.instruments.plan import Plan
-from skinviz.instruments.session import begin, finished
-from skinviz.instruments.simulate.hands import SimulatedHands
+from skinviz.instruments.session import finished
 from skinviz.instruments.simulate.scene import halogen
 from skinviz.instruments.skinlog import read_log
 
@@ -162,55 +158,6 @@ def test_a_log_that_is_there_is_not_measured_over(tmp_path):
     run_session(path, PLAN, bench())
     with pytest.raises(SkinvizError, match="exists"):
         run_session(path, PLAN, bench())
-
-
-class Telling:
-    """Writes the count of readings that are done into a pipe."""
-
-    def __init__(self, pipe):
-        self.pipe, self.count = pipe, 0
-
-    def begins(self, step, of):
-        pass
-
-    def read(self, step, readings, of):  # noqa: ARG002
-        self.count += 1
-        os.write(self.pipe, self.count.to_bytes(4, "big"))
-
-    def failed(self, error):
-        pass
-
-
-def killed_session(path, plan, after):
-    """Measure in a process that is killed after so many seconds.
-
-    Return how many readings it had said to be done.
-    """
-    ours, theirs = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            on = bench()
-            with simulated("pr655", on=on) as (meter, _):
-                hands = SimulatedHands(on, 1.0)
-                session = begin(path, plan, certificate(on), meter, clock=on.time.now)
-                with session.log:
-                    session.run(
-                        meter,
-                        hands.stage(),
-                        hands,
-                        Telling(theirs),
-                        pause=on.time.elapse,
-                    )
-        finally:
-            os._exit(0)
-    os.close(theirs)
-    time.sleep(after)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    with os.fdopen(ours, "rb") as pipe:
-        told = pipe.read()
-    return int.from_bytes(told[-4:], "big")
 
 
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
