@@ -11,7 +11,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -76,19 +76,22 @@ def main(share: float = 1.0) -> None:
     """Print the table."""
     rng = np.random.default_rng(9)
     print(f"{machine()}\n\n{HEAD}", flush=True)
-    for row in (
-        _costs(),
-        _parsing(),
-        _mutations(_count(100_000, share)),
-        _recovered(_count(100, share), rng),
-        _lobes(_count(40, share), rng),
-        _killed(_count(500, share), rng),
-        _faults(_count(10, share)),
-        _garbled(_count(200, share)),
-        _stage(_count(10, share)),
-    ):
-        for item in row:
-            print(line(item), flush=True)
+    for rows in _groups(share, rng):
+        for row in rows:
+            print(line(row), flush=True)
+
+
+def _groups(share: float, rng: np.random.Generator) -> Iterator[list[Row]]:
+    """Yield the rows as they are measured."""
+    yield _costs()
+    yield _parsing()
+    yield _recovered(_count(100, share), rng)
+    yield _lobes(_count(40, share), rng)
+    yield _killed(_count(500, share), rng)
+    yield _faults(_count(10, share))
+    yield _garbled(_count(200, share))
+    yield _stage(_count(10, share))
+    yield _mutations(_count(100_000, share))
 
 
 def _count(full: int, share: float) -> int:
