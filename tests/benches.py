@@ -20,8 +20,8 @@ from skinviz.instruments import (
 from skinviz.instruments.certificate import Certificate
 from skinviz.instruments.link import Link
 from skinviz.instruments.meters import Grid
+from skinviz.instruments.opening import begin, resume
 from skinviz.instruments.ports import open_meter
-from skinviz.instruments.session import begin, resume
 from skinviz.instruments.simulate.faults import Faults
 from skinviz.instruments.simulate.hands import SimulatedHands
 from skinviz.instruments.simulate.scene import Bench, QuickTime, Subject
@@ -95,8 +95,21 @@ class Watching:
 NOISY = {"shot": 0.004, "read": 0.0003, "exposure": 5.0}
 
 
-def run_session(path, plan, on, *, model="pr655", again=False, faults=(), stop=None):
-    """Measure a plan on a bench, or what is left of it; return who watched."""
+def run_session(
+    path,
+    plan,
+    on,
+    *,
+    model="pr655",
+    again=False,
+    faults=(),
+    stop=None,
+    certified=None,
+):
+    """Measure a plan on a bench, or what is left of it; return who watched.
+
+    ``certified`` is the tile's certificate, if that is not right to the last digit.
+    """
     watching = Watching()
     with simulated(model, on=on) as (meter, device):
         device.faults.add(faults)
@@ -105,7 +118,8 @@ def run_session(path, plan, on, *, model="pr655", again=False, faults=(), stop=N
         if again:
             session = resume(path, meter, clock=clock)
         else:
-            session = begin(path, plan, certificate(on), meter, clock=clock)
+            told = certificate(on) if certified is None else certified
+            session = begin(path, plan, told, meter, clock=clock)
         with session.log:
             session.run(
                 meter, hands.stage(), hands, watching, stop=stop, pause=on.time.elapse

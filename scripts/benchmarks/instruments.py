@@ -25,7 +25,7 @@ from benches import GRID, METERS, MODEL, NOISY, PARSERS, bench, human, met, muta
 
 from skinviz.errors import SkinvizError
 from skinviz.instruments import cr250, pr650, pr655, serial_meter, stages
-from skinviz.instruments.derive import derive, lobe_of, read_session
+from skinviz.instruments.derive import derive, read_session
 from skinviz.instruments.errors import (
     InstrumentError,
     LinkError,
@@ -36,10 +36,11 @@ from skinviz.instruments.errors import (
     TruncatedReply,
     Unsteady,
 )
+from skinviz.instruments.lobe import lobe_of
+from skinviz.instruments.opening import finished
 from skinviz.instruments.plan import Plan
 from skinviz.instruments.ports import open_meter, open_stage
 from skinviz.instruments.pr655_replies import spectrum_of
-from skinviz.instruments.session import finished
 from skinviz.instruments.simulate.faults import Faults
 from skinviz.instruments.simulate.scene import RealTime
 from skinviz.instruments.simulate.serve import serve
@@ -86,6 +87,7 @@ def _groups(share: float, rng: np.random.Generator) -> Iterator[list[Row]]:
     yield _costs()
     yield _parsing()
     yield _recovered(_count(100, share), rng)
+    yield _off_certificate(_count(100, share), np.random.default_rng(10))
     yield _lobes(_count(40, share), rng)
     yield _killed(_count(500, share), rng)
     yield _faults(_count(10, share))

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from skinviz.cli.arguments import Whole
 from skinviz.cli.output import say, say_files, say_json
 
 if TYPE_CHECKING:
     from skinviz.cli.measure_bench import Wanted
-    from skinviz.instruments.derive import Derived
-    from skinviz.instruments.plan import Plan
-    from skinviz.instruments.skinlog import SkinLog
 
 
 def measure(
@@ -32,7 +30,7 @@ def measure(
     export: tuple[Path, ...] = (),
     gonio: Path | None = None,
     simulate: Path | None = None,
-    seed: int = 0,
+    seed: Whole = 0,
     yes: bool = False,
     list: bool = False,
     json: bool = False,
@@ -113,7 +111,7 @@ def _list_ports(json: bool) -> None:
     import dataclasses
 
     from skinviz.cli.text_table import Column, table
-    from skinviz.instruments.ports import list_ports
+    from skinviz.instruments.serial_ports import list_ports
     from skinviz.instruments.simulate.start import DEVICES, SCHEME
 
     ports = list_ports()
@@ -167,9 +165,11 @@ def _conclude(
     log: Path, export: Sequence[Path], gonio: Path | None, *, json: bool
 ) -> None:
     """Write and tell what follows from a log."""
-    from skinviz.instruments.derive import derive, lobe_of
+    from skinviz.cli.measure_report import fitted_lobe, report_lines, session_facts
+    from skinviz.instruments.derive import derive
     from skinviz.instruments.errors import InstrumentError
     from skinviz.instruments.export import export_spectra, write_lobe
+    from skinviz.instruments.lobe import lobe_of
     from skinviz.instruments.skinlog import read_log
 
     session = read_log(log)
@@ -180,126 +180,14 @@ def _conclude(
     files: list[Path] = []
     for path in export:
         files += export_spectra(path, session, derived, str(log))
-    told = _told(session, derived)
+    told = session_facts(session, derived)
     if gonio is not None:
         site = derived.frames.plan.sites[0]
         files.append(write_lobe(gonio, lobe_of(derived, site), f"{log}, {site}"))
-        told["lobe"] = _lobe(derived, site)
+        told["lobe"] = fitted_lobe(derived, site)
     if json:
         say_json({"log": str(log), **told, "files": [str(path) for path in files]})
         return
-    for line in _lines(told):
+    for line in report_lines(told):
         say(line)
     say_files(files)
-
-
-def _told(session: SkinLog, derived: Derived) -> dict[str, Any]:
-    """Return what is worth to know of a session."""
-    import numpy as np
-
-    from skinviz.instruments.derive import spectra_of
-
-    plan: Plan = derived.frames.plan
-    spectra = spectra_of(session, derived, "")
-    rows = zip(
-        spectra["label"].values,
-        spectra["reflectance"].values,
-        spectra["uncertainty"].values,
-        strict=True,
-    )
-    kinds = [record["kind"] for record in session.records]
-    return {
-        "subject": plan.subject,
-        "instrument": spectra.attrs["instrument"],
-        "readings": kinds.count("reading"),
-        "errors": kinds.count("error"),
-        "torn_bytes": session.torn,
-        "spectra": [
-            {
-                "label": str(label),
-                "reflectance_median": float(np.nanmedian(value)),
-                "uncertainty_median": float(np.nanmedian(u)),
-            }
-            for label, value, u in rows
-        ],
-        "scatter": derived.frames.scatter(),
-        "asymmetry": {
-            site: {"value": value, "uncertainty": u}
-            for site, (value, u) in derived.asymmetry.items()
-        },
-        "notes": [*derived.notes],
-    }
-
-
-def _lobe(derived: Derived, site: str) -> dict[str, Any]:
-    """Return the lobe fitted to a site's specular part."""
-    import numpy as np
-
-    from skinviz.instruments.derive import lobe_of
-    from skinviz.surface.lobe_fit import fit_lobe
-
-    lobe = lobe_of(derived, site)
-    fit = fit_lobe(
-        np.deg2rad(lobe.illumination),
-        lobe.specular,
-        viewing=np.deg2rad(lobe.viewing),
-        uncertainty=lobe.uncertainty,
-        n=derived.frames.plan.n,
-    )
-    fit.raise_for_status()
-    found = {
-        name: {"value": float(value), "lower": float(low), "upper": float(high)}
-        for name, value, (low, high) in zip(
-            fit.parameters, fit.values, fit.interval, strict=True
-        )
-    }
-    surface = fit.surface
-    return {
-        **found,
-        "chi_square": fit.chi_square,
-        "readings": int(lobe.specular.size),
-        "surface": {
-            "model": surface.name,
-            "gamma": round(surface.gamma, 4),
-            "n": surface.n,
-            "specular_scale": round(surface.specular_scale, 4),
-        },
-    }
-
-
-def _lines(told: dict[str, Any]) -> list[str]:
-    """Return what is told as lines of text."""
-    from skinviz.cli.text_table import Column, table
-
-    spectra = told["spectra"]
-    lines = [
-        f"{told['subject']}: {told['readings']} readings by {told['instrument']}"
-        + (f", {n} errors in the log" if (n := told["errors"]) else "")
-    ]
-    lines += table(
-        "reflectance",
-        [row["label"] for row in spectra],
-        [
-            Column("median", [f"{row['reflectance_median']:.4f}" for row in spectra]),
-            Column("u", [f"{row['uncertainty_median']:.4f}" for row in spectra]),
-        ],
-    )
-    scatter = ", ".join(f"{name} {x:.2%}" for name, x in told["scatter"].items())
-    lines.append(f"scatter of repeats: {scatter}")
-    lines += [
-        f"asymmetry of diffuse light, {site}: {k['value']:.4f} ± {k['uncertainty']:.4f}"
-        for site, k in told["asymmetry"].items()
-    ]
-    lobe = told.get("lobe")
-    if lobe is not None:
-        lines += [
-            f"{name} {lobe[name]['value']:.4f}, 95 % interval "
-            f"{lobe[name]['lower']:.4f} to {lobe[name]['upper']:.4f}"
-            for name in ("beta", "gamma")
-        ]
-        lines += ["for a scene file:", "[surface]"]
-        lines += [
-            f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x:g}"
-            for key, x in lobe["surface"].items()
-        ]
-    return lines + [f"note: {note}" for note in told["notes"]]

@@ -15,14 +15,17 @@ from skinviz import __version__
 from skinviz.cli.measure_hands import Asking
 from skinviz.errors import ArgumentError
 from skinviz.instruments.certificate import Certificate, read_certificate
+from skinviz.instruments.opening import begin, resume
 from skinviz.instruments.plan import Plan
 from skinviz.instruments.plan_file import read_plan
-from skinviz.instruments.ports import list_ports, open_meter, open_stage, port_of
+from skinviz.instruments.ports import open_meter, open_stage, port_of
 from skinviz.instruments.serial_meter import SerialMeter
-from skinviz.instruments.session import Hands, begin, resume
+from skinviz.instruments.serial_ports import list_ports
+from skinviz.instruments.session import Hands
 from skinviz.instruments.simulate.hands import SimulatedHands
 from skinviz.instruments.simulate.scene import Bench, QuickTime, RealTime, Subject
 from skinviz.instruments.simulate.start import is_simulated, model_of, start, takes_time
+from skinviz.instruments.skinlog import read_log
 from skinviz.instruments.stages import ManualStage, RotationStage
 
 if TYPE_CHECKING:
@@ -159,14 +162,12 @@ def _real_world(
     wanted: Wanted, port: str, white: Path | None, screen: Screen, ends: ExitStack
 ) -> World:
     """Return instruments at ports."""
-    certificate = _simulated_tile()  # not used: a log that is resumed has its own
-    if not wanted.resume:
-        if white is None:
-            raise ArgumentError(
-                "name the certificate of the white tile with --white: without it the "
-                "reflectance would be relative to a tile that nobody knows"
-            )
-        certificate = read_certificate(white)
+    certificate = _certificate(wanted, white)
+    if certificate is None:
+        raise ArgumentError(
+            "name the certificate of the white tile with --white: without it the "
+            "reflectance would be relative to a tile that nobody knows"
+        )
     hands = Asking(screen.ask, None, turns=wanted.stage is None)
     meter = ends.enter_context(open_meter(wanted.meter or _USUAL, port))
     stage: RotationStage = ManualStage(hands.turn)
@@ -179,7 +180,7 @@ def _simulated_world(
     wanted: Wanted, port: str, white: Path | None, screen: Screen, ends: ExitStack
 ) -> World:
     """Return simulated instruments at a bench of their own."""
-    certificate = _simulated_tile() if white is None else read_certificate(white)
+    certificate = _certificate(wanted, white) or _simulated_tile()
     bench = Bench(
         _subject(wanted.simulate),
         (certificate.wavelengths, certificate.factor),
@@ -199,6 +200,13 @@ def _simulated_world(
         behind = ends.enter_context(start(wanted.stage, bench))
         stage = _homed(ends, wanted, behind.url)
     return World(meter, stage, hands, certificate, bench.time.now, bench.time.elapse)
+
+
+def _certificate(wanted: Wanted, white: Path | None) -> Certificate | None:
+    """Return the white's certificate: the log's, or the file's if one is named."""
+    if wanted.resume:
+        return Certificate.from_json(read_log(wanted.log).header["certificate"])
+    return None if white is None else read_certificate(white)
 
 
 def _homed(ends: ExitStack, wanted: Wanted, url: str) -> RotationStage:

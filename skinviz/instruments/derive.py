@@ -1,4 +1,4 @@
-"""What follows from a session's readings: factors, reflectance, the specular lobe."""
+"""What follows from a session's readings: radiance factors, and reflectance."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from skinviz.errors import SkinvizError
-from skinviz.instruments.arrangement import SAMPLE, STATES, Arrangement
+from skinviz.instruments.arrangement import SAMPLE, Arrangement
 from skinviz.instruments.certificate import Certificate
 from skinviz.instruments.errors import InstrumentError
 from skinviz.instruments.factor import (
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     import xarray
 
 _FREE_OF_GLOSS = -20.0  # degrees; beyond, on the viewer's side, no facet mirrors
-_BAND = (400.0, 700.0)  # nm, over which the lobe is averaged
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,77 +139,14 @@ def _asymmetry(
         return None
     ratios = np.array([s.value / p.value for s, p in pairs])
     spread = np.array([np.hypot(s.u / s.value, p.u / p.value) for s, p in pairs])
-    return _mean(ratios, spread * ratios)
+    return weighted_mean(ratios, spread * ratios)
 
 
-def _mean(values: Array, u: Array) -> tuple[float, float]:
+def weighted_mean(values: Array, u: Array) -> tuple[float, float]:
     """Return the mean of values weighted by their uncertainties, and its own."""
     known = np.isfinite(values) & np.isfinite(u)
     weight = 1 / np.square(u[known])
     return float(weight @ values[known] / weight.sum()), float(weight.sum() ** -0.5)
-
-
-@dataclass(frozen=True, eq=False)
-class Lobe:
-    """The specular part by angle, as :func:`skinviz.fit_lobe` takes it.
-
-    Attributes
-    ----------
-    illumination, viewing : (m,) ndarray
-        [degrees]
-    specular, uncertainty : (m,) ndarray
-        Averaged over 400–700 nm, in units of the perfect diffuser that faces the
-        lamp. [1]
-    """
-
-    illumination: Array
-    viewing: Array
-    specular: Array
-    uncertainty: Array
-
-
-def lobe_of(derived: Derived, site: str) -> Lobe:
-    """Return the specular part of a site by angle.
-
-    The white is lit as the skin is; the unit of the lobe's fit is a diffuser that
-    faces the lamp, so factors are multiplied by the cosine of the illumination.
-
-    Raises
-    ------
-    SkinvizError
-        If no states were measured that tell surface and body apart.
-    """
-    plan, nm = derived.frames.plan, derived.frames.wavelengths
-    inside = (nm >= _BAND[0]) & (nm <= _BAND[1])
-    rows = []
-    for illumination in sorted(plan.illumination):
-        part = derived.parts.get((site, illumination))
-        if part is None or illumination < 0:
-            continue
-        cosine = np.cos(np.deg2rad(illumination))
-        value, _ = _mean(part.specular[inside], part.u_specular[inside])
-        rows.append((illumination, value * cosine, _u_mean(part, inside) * cosine))
-    if not rows:
-        raise SkinvizError(
-            "there is no specular part in this log; plan states = "
-            f'["s", "p"] or another pair of {", ".join(STATES)}'
-        )
-    angles, specular, u = np.array(rows).T
-    return Lobe(angles, np.full(angles.size, plan.viewing), specular, u)
-
-
-def _u_mean(part: Separated, inside: np.ndarray) -> float:
-    """Return the uncertainty of the mean of the specular part over bands.
-
-    Noise is independent from band to band; what bands share, the asymmetry and the
-    white's certificate, does not average out, and is taken from their own share.
-    """
-    known = inside & np.isfinite(part.u_specular)
-    shared = part.u_shared[known]
-    alone = np.sqrt(np.maximum(part.u_specular[known] ** 2 - shared**2, 1e-30))
-    weight = 1 / np.square(part.u_specular[known])
-    weight = weight / weight.sum()
-    return float(np.hypot(np.sqrt(weight**2 @ alone**2), weight @ shared))
 
 
 def read_session(path: str | os.PathLike[str]) -> xarray.Dataset:

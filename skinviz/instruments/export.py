@@ -13,7 +13,8 @@ import numpy as np
 from skinviz._files import whole_file
 from skinviz._validate import one_of
 from skinviz.errors import ArgumentError
-from skinviz.instruments.derive import Derived, Lobe, spectra_of
+from skinviz.instruments.derive import Derived, spectra_of
+from skinviz.instruments.lobe import Lobe
 from skinviz.instruments.skinlog import SkinLog
 
 if TYPE_CHECKING:

@@ -1,7 +1,8 @@
-"""The bytes to and from an instrument: the only module that touches pyserial.
+"""The bytes to and from an instrument, over a port that is open.
 
 Every wait has a deadline. ``flush`` is never called: on USB ports it may not return.
-What does not belong here: what the bytes mean.
+What does not belong here: ports themselves (``instruments.serial_ports``), and what
+the bytes mean.
 """
 
 from __future__ import annotations
@@ -20,26 +21,16 @@ from skinviz.instruments.errors import (
     LinkLost,
     MalformedReply,
     NoReply,
-    PortUnavailable,
     Stopped,
     TruncatedReply,
 )
 
 LONGEST_LINE = 4096  # bytes; no instrument sends more before a line's end
 
-_SLICE = 0.1  # s, after which a wait looks whether it is to stop
+SLICE = 0.1
+"""After which a wait looks whether it is to stop. [s]"""
+
 _LINE_END = re.compile(rb"\r\n|\r|\n")
-_OPENING = {
-    errno.ENOENT: "there is no such port; see 'skinviz measure --list', and the cable",
-    errno.ENODEV: "the device has gone; plug it in again",
-    errno.ENXIO: "the device has gone; plug it in again",
-    errno.EACCES: "you may not use it; add yourself to the group that owns it "
-    "(dialout or uucp) and log in again",
-    errno.EPERM: "you may not use it; add yourself to the group that owns it",
-    errno.EAGAIN: "another program has it open; close that program",
-    errno.EBUSY: "another program has it open; close that program",
-    errno.ECONNREFUSED: "nothing listens there; start the server of the port",
-}
 
 
 @dataclass(frozen=True)
@@ -59,57 +50,6 @@ class Exchange:
     at: float
     sent: bool
     data: bytes
-
-
-def open_link(
-    url: str,
-    *,
-    baudrate: int = 9600,
-    rtscts: bool = False,
-    stop: threading.Event | None = None,
-) -> Link:
-    """Open a serial port, ``socket://host:port`` or whatever else pyserial knows.
-
-    Parameters
-    ----------
-    url : str
-        As ``/dev/ttyACM0``, ``COM5`` or ``socket://192.168.1.7:4001``.
-    baudrate : int
-        [1/s]
-    rtscts : bool
-        With the handshake of the lines RTS and CTS.
-    stop : threading.Event, optional
-        Ends every wait when it is set.
-
-    Raises
-    ------
-    PortUnavailable
-        If the port is absent, in use or forbidden.
-    """
-    import serial
-
-    options: dict[str, Any] = {} if "://" in url else {"exclusive": True}
-    try:
-        port = serial.serial_for_url(
-            url, baudrate=baudrate, rtscts=rtscts, timeout=_SLICE, **options
-        )
-    except (OSError, ValueError) as error:  # SerialException is an OSError
-        raise PortUnavailable(f"cannot open {url}: {_why(error)}") from error
-    return Link(port, url, stop=stop)
-
-
-def _why(error: Exception) -> str:
-    """Return the advice for an error of opening; sockets hide its number."""
-    cause: BaseException | None = error
-    while cause is not None:
-        number = getattr(cause, "errno", None)
-        if number in _OPENING:
-            return _OPENING[number]
-        cause = cause.__cause__ or cause.__context__
-    for number, advice in _OPENING.items():
-        if f"[Errno {number}]" in str(error):
-            return advice
-    return f"{error}; check the port's name"
 
 
 class Link:
@@ -285,7 +225,7 @@ class Link:
                 left = deadline - self._clock()
                 if not waiting and left <= 0:
                     return False
-                if not waiting and left < _SLICE:
+                if not waiting and left < SLICE:
                     self.pause(min(left, 0.002))
                     continue
                 data = self._port.read(max(1, waiting))

@@ -1,4 +1,4 @@
-"""Which ports there are, and who is behind one that the user names.
+"""Who is behind a port that the user names.
 
 Nothing is ever sent to a port that was not named: it might move a stage.
 """
@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from skinviz._validate import one_of
 from skinviz.instruments.cr250 import CR250
 from skinviz.instruments.errors import PortUnavailable
-from skinviz.instruments.link import open_link
 from skinviz.instruments.pr650 import PR650
 from skinviz.instruments.pr655 import PR655, PR670
 from skinviz.instruments.serial_meter import SerialMeter
+from skinviz.instruments.serial_ports import Port, open_link
 from skinviz.instruments.stages import ZaberStage
 
 METERS: dict[str, type[SerialMeter]] = {
@@ -29,43 +28,6 @@ METERS: dict[str, type[SerialMeter]] = {
 
 STAGES: dict[str, type[ZaberStage]] = {"zaber": ZaberStage}
 """Drivers of motorised stages."""
-
-
-@dataclass(frozen=True)
-class Port:
-    """A serial port as the system describes it.
-
-    Attributes
-    ----------
-    name : str
-        What to give as ``--port``.
-    description : str
-        What the system knows of the device behind it.
-    usb : str
-        Vendor and product, as "0861:1003"; "" if it is not on USB.
-    serial : str
-        The adapter's serial number.
-    """
-
-    name: str
-    description: str
-    usb: str
-    serial: str
-
-
-def list_ports() -> tuple[Port, ...]:
-    """Return the ports of this computer; not a byte is sent to any."""
-    from serial.tools import list_ports as system
-
-    return tuple(
-        Port(
-            port.device,
-            port.description or "",
-            "" if port.vid is None else f"{port.vid:04x}:{port.pid:04x}",
-            port.serial_number or "",
-        )
-        for port in sorted(system.comports())
-    )
 
 
 def port_of(model: str, ports: Sequence[Port]) -> str:
@@ -102,7 +64,7 @@ def open_meter(
     model : str
         A key of ``METERS``.
     url : str
-        As for :func:`skinviz.instruments.link.open_link`.
+        As for :func:`skinviz.instruments.serial_ports.open_link`.
     stop : threading.Event, optional
         Ends every wait when it is set.
     pauses : float

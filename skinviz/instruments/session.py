@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
-from datetime import UTC, datetime
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from skinviz.errors import DataError
 from skinviz.instruments.arrangement import SAMPLE, Arrangement
-from skinviz.instruments.certificate import Certificate
 from skinviz.instruments.errors import InstrumentError, Stopped, TooDark, Unsteady
 from skinviz.instruments.factor import is_steady
 from skinviz.instruments.link import Exchange
 from skinviz.instruments.meters import Array, Reading, Spectroradiometer
 from skinviz.instruments.patience import patient_reading
 from skinviz.instruments.plan import BEFORE, Plan, Step
-from skinviz.instruments.skinlog import LogWriter, SkinLog
+from skinviz.instruments.skinlog import LogWriter
 from skinviz.instruments.stages import RotationStage
 
 WARMING = -1
@@ -130,7 +126,8 @@ class Session:
             for step in steps:
                 run.take(step)
         except InstrumentError as error:
-            self._append("error", **_told(error), said=_said(meter.transcript()))
+            said = _said((*meter.transcript(), *stage.transcript()))
+            self._append("error", **_told(error), said=said)
             raise
         self._append("end")
 
@@ -197,7 +194,8 @@ class _Run:
         self.watcher.begins(step, len(self.session.plan.steps))
         self.hands.arrange(step.arrangement, step.sweep)
         angle = self.stage.move(step.arrangement.illumination)
-        self.session._append("arrange", step=step.number, angle=angle)
+        said = _said(self.stage.transcript())
+        self.session._append("arrange", step=step.number, angle=angle, said=said)
 
     def _read(self, step: Step, repeat: int) -> Reading | None:
         """Measure and log once; None where the lamp is off and there is no light."""
@@ -232,120 +230,6 @@ class _Run:
         self.watcher.failed(error)
 
 
-def begin(
-    path: str,
-    plan: Plan,
-    certificate: Certificate,
-    meter: Spectroradiometer,
-    *,
-    clock: Callable[[], float] = time.monotonic,
-    written_by: str = "skinviz",
-) -> Session:
-    """Begin a session and its log.
-
-    Parameters
-    ----------
-    path : str
-        The log to write, which must not exist.
-    plan : Plan
-    certificate : Certificate
-        Of the white tile.
-    meter : Spectroradiometer
-        Who measures, for the record; set as the plan says.
-    clock : callable
-        Seconds, from whenever.
-    written_by : str
-        Program and version, for the record.
-
-    Raises
-    ------
-    SkinvizError
-        If the log cannot be written.
-    """
-    zero = clock()
-    log = LogWriter.create(
-        path,
-        {
-            "written_by": written_by,
-            "utc": _now().isoformat(timespec="milliseconds"),
-            "plan": plan.to_json(),
-            "certificate": certificate.to_json(),
-            "meter": asdict(meter.info),
-        },
-    )
-    _configure(meter, plan)
-    return Session(plan, log, 0, frozenset(), [], lambda: clock() - zero)
-
-
-def resume(
-    path: str,
-    meter: Spectroradiometer,
-    *,
-    clock: Callable[[], float] = time.monotonic,
-) -> Session:
-    """Open a session that was interrupted.
-
-    Parameters
-    ----------
-    path : str
-        Its log.
-    meter, clock
-        As for :func:`begin`.
-
-    Raises
-    ------
-    DataError
-        If the log is damaged, or was measured with another instrument.
-    SkinvizError
-        If another program has the log open.
-    """
-    writer, log = LogWriter.reopen(path)
-    try:
-        told = log.header["meter"]
-        if told != asdict(meter.info):
-            raise DataError(
-                f"{path} was measured with {told['model']} {told['serial']}, and "
-                f"{meter.info.name} is here; use that one, or begin a new session"
-            )
-        plan = Plan.from_json(log.header["plan"])
-        segments = [r["segment"] for r in log.records if "segment" in r]
-        segment = max(segments, default=0) + 1
-        began = datetime.fromisoformat(log.header["utc"])
-        last = max((r["t"] for r in log.records if "t" in r), default=0.0)
-        since = max(last, (_now() - began).total_seconds())
-        zero = clock()
-        grids = [r["wavelengths"] for r in log.records if r["kind"] == "grid"]
-        session = Session(
-            plan,
-            writer,
-            segment,
-            frozenset(finished(log, plan)),
-            grids,
-            lambda: clock() - zero + since,
-        )
-        session._append("resume", torn=log.torn)
-        _configure(meter, plan)
-    except BaseException:
-        writer.close()
-        raise
-    return session
-
-
-def finished(log: SkinLog, plan: Plan) -> Iterable[int]:
-    """Return the numbers of the steps that have all readings in one segment."""
-    taken: dict[tuple[int, int], set[int]] = {}
-    for record in log.records:
-        if record["kind"] in ("reading", "dark") and record["step"] != WARMING:
-            key = (record["step"], record["segment"])
-            taken.setdefault(key, set()).add(record["repeat"])
-    return sorted({step for (step, _), n in taken.items() if len(n) >= plan.repeats})
-
-
-def _configure(meter: Spectroradiometer, plan: Plan) -> None:
-    """Set the meter as the plan says."""
-    meter.configure(exposure=plan.exposure, average=plan.average, sync=plan.sync)
-
-
 def _told(error: InstrumentError) -> dict[str, Any]:
     """Return an error as it is logged."""
     return {
@@ -361,8 +245,3 @@ def _said(exchanges: Iterable[Exchange]) -> list[list[Any]]:
         [round(piece.at, 6), ">" if piece.sent else "<", piece.data.decode("latin-1")]
         for piece in exchanges
     ]
-
-
-def _now() -> datetime:
-    """Return the moment, in universal time."""
-    return datetime.now(UTC)

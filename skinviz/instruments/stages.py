@@ -14,7 +14,7 @@ from skinviz.instruments.errors import (
     StageFault,
     WrongDevice,
 )
-from skinviz.instruments.link import Link
+from skinviz.instruments.link import Exchange, Link
 
 _ANSWER = 2.0  # s
 _POLL = 0.05  # s between two questions whether the stage has arrived
@@ -31,6 +31,9 @@ class RotationStage(Protocol):
 
     def move(self, degrees: float, *, within: float = 60.0) -> float:
         """Turn to an angle and return the one that was reached. [degrees]"""
+
+    def transcript(self) -> tuple[Exchange, ...]:
+        """Return what was said on the line since the last call."""
 
     def close(self) -> None:
         """Leave the stage where it is."""
@@ -61,6 +64,10 @@ class ManualStage:
             self._ask(f"turn the lamp to {degrees:g} degrees", degrees)
             self._angle = float(degrees)
         return self._angle
+
+    def transcript(self) -> tuple[Exchange, ...]:
+        """Return nothing: people's words are not kept."""
+        return ()
 
     def close(self) -> None:
         """Leave the lamp where it is."""
@@ -140,6 +147,10 @@ class ZaberStage:
     def stop(self) -> None:
         """Stop turning at once."""
         self._ask("stop")
+
+    def transcript(self) -> tuple[Exchange, ...]:
+        """Return what was said on the line since the last call."""
+        return self._link.transcript()
 
     def close(self) -> None:
         """Leave the stage where it is, and close the port."""

@@ -128,7 +128,7 @@ def test_an_interrupted_session_goes_on(log, tmp_path, capsys):
 
 
 def test_ports_are_listed(monkeypatch, capsys):
-    from skinviz.instruments import ports
+    from skinviz.instruments import serial_ports as ports
 
     assert main(["measure", "--list", "--json"]) == 0
     assert "sim://pr655" in json.loads(capsys.readouterr().out)["simulated"]
@@ -147,7 +147,7 @@ def test_ports_are_listed(monkeypatch, capsys):
         (["a.skinlog", "--yes"], "--yes is for measuring"),
         (["a.skinlog", "--port", "/dev/no", "--yes"], "simulated instruments"),
         (["a.skinlog", "--port", "/dev/no"], "--white"),
-        (["a.skinlog", "--port", "/dev/no", "--resume"], "--list"),
+        (["a.skinlog", "--port", "/dev/no", "--resume"], "no such file"),
         (["a.skinlog", "--port", "auto", "--meter", "pr650"], "--port"),
         (["a.skinlog", *SIM, "--stage", "/dev/no", "--yes"], "both be"),
         (["a.skinlog", *SIM, "--resume", "--site", "x"], "--resume"),

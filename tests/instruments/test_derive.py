@@ -6,7 +6,8 @@ from benches import LOBE, MODEL, NM, NOISY, WEIGHTS, bench, human, run_session
 from numpy.testing import assert_allclose
 
 from skinviz.errors import SkinvizError
-from skinviz.instruments.derive import derive, lobe_of, read_session
+from skinviz.instruments.derive import derive, read_session
+from skinviz.instruments.lobe import lobe_of
 from skinviz.instruments.plan import Plan
 from skinviz.instruments.simulate.scene import Lamp, halogen
 from skinviz.instruments.skinlog import read_log

@@ -7,8 +7,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import skinviz
 from skinviz.errors import ArgumentError
-from skinviz.instruments.derive import derive, lobe_of, read_session
+from skinviz.instruments.derive import derive, read_session
 from skinviz.instruments.export import export_spectra, write_lobe
+from skinviz.instruments.lobe import lobe_of
 from skinviz.instruments.plan import Plan
 from skinviz.instruments.skinlog import read_log
 

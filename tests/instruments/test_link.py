@@ -15,7 +15,8 @@ from skinviz.instruments.errors import (
     Stopped,
     TruncatedReply,
 )
-from skinviz.instruments.link import LONGEST_LINE, Link, open_link
+from skinviz.instruments.link import LONGEST_LINE, Link
+from skinviz.instruments.serial_ports import open_link
 
 
 def _link(coming):

@@ -1,12 +1,16 @@
 """Ports: listed without a byte, opened by name, refused when in doubt."""
 
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+import skinviz
 from skinviz.errors import ArgumentError
 from skinviz.instruments.errors import PortUnavailable
-from skinviz.instruments.ports import Port, list_ports, open_meter, port_of
+from skinviz.instruments.ports import open_meter, port_of
+from skinviz.instruments.serial_ports import Port, list_ports
 
 
 class _Comport(SimpleNamespace):
@@ -50,3 +54,13 @@ def test_a_port_is_chosen_only_where_one_description_names_the_model():
 def test_an_unknown_model_is_told_with_those_there_are():
     with pytest.raises(ArgumentError, match="pr655"):
         open_meter("pr656", "/dev/null")
+
+
+def test_one_module_alone_touches_pyserial():
+    root = Path(skinviz.__file__).parent
+    touching = [
+        path.name
+        for path in root.rglob("*.py")
+        if re.search(r"^\s*(import|from) serial\b", path.read_text("utf-8"), re.M)
+    ]
+    assert touching == ["serial_ports.py"]

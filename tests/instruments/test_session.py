@@ -16,8 +16,8 @@ from skinviz.instruments.errors import (
     Unsteady,
     WhiteMissing,
 )
+from skinviz.instruments.opening import finished
 from skinviz.instruments.plan import Plan
-from skinviz.instruments.session import finished
 from skinviz.instruments.simulate.scene import halogen
 from skinviz.instruments.skinlog import read_log
 
