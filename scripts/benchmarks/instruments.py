@@ -12,10 +12,12 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray
 from _print import HEAD, Row, line, machine
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
@@ -199,13 +201,40 @@ def _recovered(count: int, rng: np.random.Generator) -> list[Row]:
     ]
 
 
-def _session(plan: Plan, seed: int, **skin: object):
-    """Return the spectra of a session at a noisy bench."""
+def _off_certificate(count: int, rng: np.random.Generator) -> list[Row]:
+    """Return what intervals are worth where the tile is off by what it may be."""
+    u, covered = 0.002, []
+    for i in range(count):
+        truth = rng.uniform(LOW, HIGH)
+        spectra = _session(REFLECTANCE, 1000 + i, weights=truth, off=u * rng.normal())
+        value, sigma = spectra.reflectance.values[0], spectra.uncertainty.values[0]
+        interval = fit_skin(
+            value, spectra.wavelength.values, MODEL, uncertainty=sigma
+        ).interval
+        covered.append((interval[:, 0] <= truth) & (truth <= interval[:, 1]))
+    each = np.sum(covered, axis=0)
+    return [
+        Row(
+            f"– the same, the tile off its certificate by one u = {u:.1%} in all bands "
+            f"alike, of {count}",
+            "",
+            f"w_m {each[0]}, w_h {each[1]}, w_dh {each[2]}",
+        )
+    ]
+
+
+def _session(
+    plan: Plan, seed: int, *, weights: np.ndarray, off: float = 0.0
+) -> xarray.Dataset:
+    """Return the spectra of a session at a noisy bench, its tile off by a share."""
+    on = bench(subject=human(weights), seed=seed, **NOISY)
+    told = benches.certificate(on)
+    u = np.full(told.factor.size, 0.002) if off else told.uncertainty
+    on.tile = (on.tile[0], on.tile[1] * (1 + off))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.skinlog"
-        benches.run_session(
-            path, plan, bench(subject=human(**skin), seed=seed, **NOISY)
-        )
+        certified = replace(told, uncertainty=u)
+        benches.run_session(path, plan, on, certified=certified)
         return read_session(path)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from dataclasses import fields as fields_of
 from functools import cached_property
 from typing import Any, Self
 
@@ -134,7 +135,19 @@ class Plan:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Self:
-        """Return what :meth:`to_json` kept."""
+        """Return what :meth:`to_json` kept.
+
+        Raises
+        ------
+        ArgumentError
+            If a later version kept it, with fields that are not known here.
+        """
+        unknown = sorted(set(data) - {field.name for field in fields_of(cls)})
+        if unknown:
+            raise ArgumentError(
+                f"the plan says {', '.join(unknown)}, which a later version of skinviz "
+                "knows; use that one"
+            )
         fields: dict[str, Any] = {
             key: tuple(value) if isinstance(value, list) else value
             for key, value in data.items()

@@ -29,8 +29,11 @@ from skinviz.instruments.errors import (
     Unsteady,
     WrongDevice,
 )
+from skinviz.instruments.ports import open_meter
 from skinviz.instruments.pr650 import PR650
 from skinviz.instruments.pr655 import PR655, PR670
+from skinviz.instruments.simulate.pr655 import SimulatedPR655
+from skinviz.instruments.simulate.serve import serve
 
 ENTRY = [
     (b"Q", b""),
@@ -219,6 +222,13 @@ def test_a_spectrum_that_was_cut_can_be_read_again_without_measuring():
             reading = meter.reread()
             assert device.bench.time.now() - taken < 0.15  # one exposure of 0.1 s
             assert reading.radiance.max() > 0
+
+
+def test_a_meter_that_loses_what_comes_at_once_is_entered_letter_by_letter():
+    device = SimulatedPR655(bench(), hurried=True)
+    with serve(device) as server, open_meter("pr655", server.url) as meter:
+        assert device.remote
+        assert meter.measure().radiance.size == 101
 
 
 def test_a_meter_that_left_its_remote_mode_is_entered_anew():

@@ -28,6 +28,8 @@ def test_white_stands_before_and_after_all_sites():
 def test_a_plan_is_kept_as_it_is():
     plan = Plan(sites=("cheek",), illumination=(0.0, 30.0), repeats=3, n=1.45)
     assert Plan.from_json(plan.to_json()) == plan
+    with pytest.raises(ArgumentError, match="later version"):
+        Plan.from_json(plan.to_json() | {"humidity": 3})
 
 
 @pytest.mark.parametrize(

@@ -16,16 +16,22 @@ _GRID, _FINE_GRID = Grid(380.0, 4.0, 101), Grid(380.0, 2.0, 201)
 
 @dataclass(eq=False)
 class SimulatedPR655(SimulatedMeter):
-    """Answers to ``PHOTO`` once, then to commands, until ``Q``."""
+    """Answers to ``PHOTO`` once, then to commands, until ``Q``.
+
+    ``hurried`` is how real meters are that lose ``PHOTO`` when it comes all at once.
+    """
 
     model: str = "PR-655"
     grid: Grid = _GRID
     longest: int = 6000
     remote: bool = False
+    hurried: bool = False
     held: bytes = b"-2000\r\n"
 
     def receive(self, data: bytes) -> Iterator[Chunk]:
         """Take bytes and yield the answer."""
+        if self.hurried and b"PHOTO" in data:
+            return
         for byte in data:
             yield from self._letter(bytes([byte]))
 
