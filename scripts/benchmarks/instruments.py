@@ -55,7 +55,7 @@ from skinviz.surface.torrance_sparrow import TorranceSparrow
 
 REFLECTANCE = Plan(states=("parallel", "crossed"), leakage=0.001)
 GONIO = Plan(
-    illumination=(-40.0, *np.arange(0.0, 86.0, 5.0)),
+    illumination=(-75.0, *np.arange(0.0, 86.0, 5.0)),
     viewing=60.0,
     states=("s", "p"),
     repeats=3,

@@ -18,8 +18,8 @@ from skinviz.instruments.factor import (
     radiance_factor,
 )
 from skinviz.instruments.frames import Frames, frames_of
-from skinviz.instruments.plan import BEFORE
-from skinviz.instruments.polarisation import Separated, separate
+from skinviz.instruments.plan import BEFORE, Plan
+from skinviz.instruments.polarisation import Separated, Shared, separate
 from skinviz.instruments.skinlog import SkinLog, read_log
 
 if TYPE_CHECKING:
@@ -68,17 +68,19 @@ def derive(log: SkinLog) -> Derived:
     certified, u_certified = certificate.at(frames.wavelengths)
     plan = frames.plan
     factors: dict[tuple[str, float, str], Factor] = {}
+    bends: dict[tuple[str, float, str], float] = {}
     drifts = [0.0]
     for site in plan.sites:
         for illumination in plan.illumination:
             for state in plan.states:
                 how = Arrangement(SAMPLE, True, illumination, plan.viewing, state)
                 sample = frames.sample(site, how)
-                white, change = frames.white(how, sample.time)
-                drifts.append(change)
+                white = frames.white(how, sample.time)
+                drifts.append(white.drift)
+                bends[site, illumination, state] = white.bend
                 factors[site, illumination, state] = radiance_factor(
                     sample,
-                    white,
+                    white.frame,
                     certified,
                     u_certified,
                     ambient_sample=frames.ambient(site, state),
@@ -90,12 +92,16 @@ def derive(log: SkinLog) -> Derived:
         notes.append(f"the white changed by up to {most:+.2%}, which is corrected")
     if not np.isfinite(certified).all():
         notes.append("bands outside the white's certificate are left out")
-    parts, asymmetry = _parts(frames, factors)
+    scale = float(np.nanmedian(u_certified / certified))
+    parts, asymmetry = _parts(frames, factors, bends, scale)
     return Derived(frames, factors, parts, asymmetry, tuple(notes))
 
 
 def _parts(
-    frames: Frames, factors: dict[tuple[str, float, str], Factor]
+    frames: Frames,
+    factors: dict[tuple[str, float, str], Factor],
+    bends: dict[tuple[str, float, str], float],
+    scale: float,
 ) -> tuple[dict[tuple[str, float], Separated], dict[str, tuple[float, float]]]:
     """Return body and surface, and the asymmetries that they were told apart with."""
     plan = frames.plan
@@ -105,7 +111,7 @@ def _parts(
         return parts, {}
     for site in plan.sites:
         given, u = plan.polarisers, 0.0
-        found = _asymmetry(plan.illumination, site, factors)
+        found = _asymmetry(plan, site, factors, bends)
         if found is not None:
             measured[site] = found
             given, u = replace(given, asymmetry=found[0]), found[1]
@@ -118,18 +124,23 @@ def _parts(
                 illumination=np.deg2rad(illumination),
                 viewing=np.deg2rad(plan.viewing),
                 given=given,
-                u_asymmetry=u,
+                shared=Shared(
+                    asymmetry=u,
+                    states=tuple(bends[site, illumination, s] for s in plan.states),
+                    scale=scale,
+                ),
             )
     return parts, measured
 
 
 def _asymmetry(
-    illumination: tuple[float, ...],
+    plan: Plan,
     site: str,
     factors: dict[tuple[str, float, str], Factor],
+    bends: dict[tuple[str, float, str], float],
 ) -> tuple[float, float] | None:
     """Return s over p where there is no gloss, and its uncertainty, if measured."""
-    free = [a for a in illumination if a <= _FREE_OF_GLOSS]
+    free = [a for a in plan.illumination if a <= _FREE_OF_GLOSS]
     pairs = [
         (factors[site, a, "s"], factors[site, a, "p"])
         for a in free
@@ -139,7 +150,11 @@ def _asymmetry(
         return None
     ratios = np.array([s.value / p.value for s, p in pairs])
     spread = np.array([np.hypot(s.u / s.value, p.u / p.value) for s, p in pairs])
-    return weighted_mean(ratios, spread * ratios)
+    leak = plan.leakage
+    true = (ratios * (1 - leak) - leak) / (1 - leak - ratios * leak)
+    mean, u = weighted_mean(true, spread * true)
+    bent = max(np.hypot(bends[site, a, "s"], bends[site, a, "p"]) for a in free)
+    return mean, float(np.hypot(u, mean * bent))
 
 
 def weighted_mean(values: Array, u: Array) -> tuple[float, float]:

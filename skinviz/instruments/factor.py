@@ -20,6 +20,7 @@ STEADY = 0.002
 """Within which three readings of the white agree when the lamp has settled. [1]"""
 
 _IN_A_ROW = 3
+_BENT = 1 / 8  # of the change, by which the light may be off a line half-way
 _POOLED = 8  # bands on each side whose scatter is taken together
 _OVER_DARK = 10.0  # times its uncertainty that a signal must be over the stray light
 
@@ -105,17 +106,38 @@ def frame_of(values: ArrayLike, times: ArrayLike) -> Frame:
 
 
 def between(before: Frame, after: Frame, time: float) -> Frame:
-    """Return what a frame was at a time between two readings of it, on a line."""
-    span = after.time - before.time
-    late = 0.5 if span == 0 else (time - before.time) / span
-    parts = np.array([(1 - late) * before.u, late * after.u])
+    """Return what a frame was at a time between two readings of it, on a line.
+
+    A lamp need not change along a line. If it changed three times as fast at one end as
+    at the other, it was an eighth of the change off the line half-way. So far it may
+    be, all alike: a rectangular distribution, narrower towards both readings, and
+    the same share in all bands.
+    """
+    late = place(before, after, time)
+    mean = (1 - late) * before.mean + late * after.mean
+    bent = bend(before, after, time) * np.abs(mean)
+    parts = np.array([(1 - late) * before.u, late * after.u, bent])
+    known = np.array([before.dof, after.dof, np.full(mean.size, np.inf)])
     return Frame(
-        (1 - late) * before.mean + late * after.mean,
+        mean,
         np.sqrt(np.square(parts).sum(axis=0)),
-        effective_dof(parts, np.array([before.dof, after.dof])),
+        effective_dof(parts, known),
         max(before.scatter, after.scatter),
         time,
     )
+
+
+def place(before: Frame, after: Frame, time: float) -> float:
+    """Return where a time is between two frames: 0 at the first, 1 at the second."""
+    span = after.time - before.time
+    return 0.5 if span == 0 else (time - before.time) / span
+
+
+def bend(before: Frame, after: Frame, time: float) -> float:
+    """Return the standard uncertainty of a line between frames, as a share. [1]"""
+    late = place(before, after, time)
+    change = abs(after.mean.sum() / before.mean.sum() - 1)
+    return float(_BENT * 4 * late * (1 - late) * change / np.sqrt(3))
 
 
 def effective_dof(parts: Array, dof: Array) -> Array:

@@ -9,9 +9,28 @@ import numpy as np
 from skinviz.errors import DataError
 from skinviz.instruments.arrangement import WHITE, Arrangement
 from skinviz.instruments.errors import WhiteMissing
-from skinviz.instruments.factor import Array, Frame, between, drift, frame_of
+from skinviz.instruments.factor import Array, Frame, bend, between, drift, frame_of
 from skinviz.instruments.plan import AFTER, BEFORE, Plan, Step
 from skinviz.instruments.skinlog import SkinLog
+
+
+@dataclass(frozen=True, eq=False)
+class White:
+    """What the white was at a time.
+
+    Attributes
+    ----------
+    frame : Frame
+        On a line between its readings before and after.
+    drift : float
+        By what share it changed from the one to the other. [1]
+    bend : float
+        Standard uncertainty of the line, the same share in all bands. [1]
+    """
+
+    frame: Frame
+    drift: float
+    bend: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +68,8 @@ class Frames:
             )
         return found[-1]
 
-    def white(self, how: Arrangement, time: float) -> tuple[Frame, float]:
-        """Return what the white was at a time, and by what it drifted around it.
+    def white(self, how: Arrangement, time: float) -> White:
+        """Return what the white was at a time.
 
         Raises
         ------
@@ -72,7 +91,9 @@ class Frames:
                 f"{how.state}; finish the plan with --resume"
             )
         first, last = before[-1], after[0]
-        return between(first, last, time), drift(first, last)
+        return White(
+            between(first, last, time), drift(first, last), bend(first, last, time)
+        )
 
     def ambient(self, sweep: str, state: str) -> Frame | None:
         """Return the stray light of a sweep, None if there was too little."""

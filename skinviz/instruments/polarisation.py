@@ -8,7 +8,7 @@ a pair of polarisers is known, so readings in two states say how much there was.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +61,28 @@ class Separated:
     u_diffuse: Array
     u_specular: Array
     u_shared: Array
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Standard uncertainties that all bands share.
+
+    Attributes
+    ----------
+    asymmetry : float
+        Of the polarisers' asymmetry. [1]
+    states : tuple of float
+        Of each state's factors, as a share. [1]
+    scale : float
+        Of all states' factors together, as a share. [1]
+    """
+
+    asymmetry: float = 0.0
+    states: tuple[float, ...] = ()
+    scale: float = 0.0
+
+
+_NOTHING = Shared()
 
 
 def fresnel_amplitudes(angle: float, n: float) -> tuple[float, float]:
@@ -169,7 +191,7 @@ def separate(
     illumination: float,
     viewing: float,
     given: Polarisers,
-    u_asymmetry: float = 0.0,
+    shared: Shared = _NOTHING,
 ) -> Separated:
     """Return the diffuse and the specular part of factors in two or more states.
 
@@ -184,8 +206,9 @@ def separate(
         As for :func:`weights`. [rad]
     given : Polarisers
         What is assumed.
-    u_asymmetry : float
-        Standard uncertainty of its asymmetry. [1]
+    shared : Shared
+        What of the uncertainties all bands share. That of states and of scale is
+        among ``uncertainties`` already, that of the asymmetry is not.
 
     Returns
     -------
@@ -203,21 +226,26 @@ def separate(
     two readings takes k = 1 and the mirror for a perfect polariser: at 60° that is
     wrong by 7 to 11 % of the diffuse part (n = 1.4 to 1.55).
     """
-    angles = (illumination, viewing)
-    found = _solve(states, factors, uncertainties, angles, given)
-    if not u_asymmetry:
-        return found
+
+    def solved(values: Array, assumed: Polarisers) -> Separated:
+        return _solve(states, values, uncertainties, (illumination, viewing), assumed)
+
+    found = solved(factors, given)
     k = given.asymmetry
     if k is None:
         k = leaving_asymmetry(viewing, given.n)
-    moved = Polarisers(given.n, given.leakage, k + u_asymmetry)
-    other = _solve(states, factors, uncertainties, angles, moved)
+    turned = solved(factors, replace(given, asymmetry=k + shared.asymmetry))
+    moved = [turned.specular - found.specular, shared.scale * found.specular]
+    for i, share in enumerate(shared.states):
+        scaled = factors.copy()
+        scaled[i] *= 1 + share
+        moved.append(solved(scaled, given).specular - found.specular)
     return Separated(
         found.diffuse,
         found.specular,
-        np.hypot(found.u_diffuse, other.diffuse - found.diffuse),
-        np.hypot(found.u_specular, other.specular - found.specular),
-        np.abs(other.specular - found.specular),
+        np.hypot(found.u_diffuse, turned.diffuse - found.diffuse),
+        np.hypot(found.u_specular, moved[0]),
+        np.sqrt(np.square(moved).sum(axis=0)),
     )
 
 

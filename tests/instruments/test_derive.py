@@ -17,7 +17,7 @@ from skinviz.surface.lobe_fit import fit_lobe
 
 CROSSED = Plan(states=("parallel", "crossed"), leakage=0.001)
 GONIO = Plan(
-    illumination=(-40.0, *np.arange(0.0, 86.0, 10.0)),
+    illumination=(-75.0, *np.arange(0.0, 86.0, 10.0)),
     viewing=60.0,
     states=("s", "p"),
     repeats=3,

@@ -9,6 +9,7 @@ from skinviz.errors import ArgumentError
 from skinviz.instruments.arrangement import STATES, Arrangement
 from skinviz.instruments.polarisation import (
     Polarisers,
+    Shared,
     fresnel_amplitudes,
     leaving_asymmetry,
     separate,
@@ -99,9 +100,20 @@ def test_parts_are_told_apart_exactly(states):
     assert_allclose(found.diffuse, body, rtol=1e-12)
     assert_allclose(found.specular, mirror, rtol=1e-12, atol=1e-15)
     moved = separate(
-        states, factors, np.full(factors.shape, 1e-3), **at, u_asymmetry=0.02
+        states, factors, np.full(factors.shape, 1e-3), **at, shared=Shared(0.02)
     )
     assert (moved.u_specular > found.u_specular).all()
+    assert_allclose(found.u_shared, 0, atol=1e-15)
+    scaled = separate(
+        states, factors, np.full(factors.shape, 1e-3), **at, shared=Shared(scale=0.01)
+    )
+    assert_allclose(scaled.u_shared, 0.01 * np.abs(found.specular), atol=1e-15)
+    bent = tuple(0.01 for _ in states)
+    each = separate(
+        states, factors, np.full(factors.shape, 1e-3), **at, shared=Shared(0, bent)
+    )
+    # In the band without gloss it is the body's share that leaks into the lobe.
+    assert 1e-3 < each.u_shared[1] / body[1] < 1e-2
 
 
 def test_uncertainties_are_those_of_many_trials():
