@@ -271,8 +271,7 @@ def _lobes(count: int, rng: np.random.Generator) -> list[Row]:
 def _killed(count: int, rng: np.random.Generator) -> list[Row]:
     """Return what sudden ends leave."""
     plan = Plan(repeats=2, warm_up=False)
-    lost = unfinished = early = torn = whole = 0
-    tried = 0
+    lost = unfinished = early = torn = late = tried = 0
     while tried < count:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "a.skinlog"
@@ -281,23 +280,25 @@ def _killed(count: int, rng: np.random.Generator) -> list[Row]:
                 early += 1
                 lost += done
                 continue
-            tried += 1
             log = read_log(path)
-            kept = sum(record["kind"] == "reading" for record in log.records)
-            lost += max(0, done - kept)
+            kinds = [record["kind"] for record in log.records]
+            lost += max(0, done - kinds.count("reading"))
+            if "end" in kinds:
+                late += 1
+                continue
+            tried += 1
             torn += log.torn > 0
-            whole += any(record["kind"] == "end" for record in log.records)
             benches.run_session(path, None, bench(), again=True)
             steps = finished(read_log(path), plan)
             unfinished += len(list(steps)) < len(plan.steps)
             read_session(path)
     return [
         Row(
-            f"kill -9 at {count} random moments: readings lost that were done; plans "
-            "that --resume does not finish",
+            f"kill -9 at {count} random moments of a session: readings lost that were "
+            "done; plans that --resume does not finish",
             "0; 0",
-            f"{lost}; {unfinished} ({torn} with a torn line, {whole} after the end; "
-            f"another {early} before there was a log)",
+            f"{lost}; {unfinished} ({torn} with a torn line; another {early} before "
+            f"there was a log and {late} after the end)",
         )
     ]
 
