@@ -153,8 +153,8 @@ class Telling:
         pass
 
 
-def killed_session(path, plan, after):
-    """Measure in a process that is killed after so many seconds.
+def killed_session(path, plan, *, readings=0, after=0.0):
+    """Measure in a process that is killed after so many readings, then seconds.
 
     Return how many readings it had said to be done.
     """
@@ -177,11 +177,12 @@ def killed_session(path, plan, after):
         finally:
             os._exit(0)
     os.close(theirs)
-    time.sleep(after)
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    with os.fdopen(ours, "rb") as pipe:
-        told = pipe.read()
+    with os.fdopen(ours, "rb", buffering=0) as pipe:
+        told = b"".join(pipe.read(4) for _ in range(readings))
+        time.sleep(after)
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        told += pipe.readall()
     return int.from_bytes(told[-4:], "big")
 
 

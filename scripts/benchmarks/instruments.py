@@ -275,7 +275,7 @@ def _killed(count: int, rng: np.random.Generator) -> list[Row]:
     while tried < count:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "a.skinlog"
-            done = benches.killed_session(path, plan, rng.uniform(0.02, 0.2))
+            done = benches.killed_session(path, plan, after=rng.uniform(0.02, 0.2))
             if not path.exists():
                 early += 1
                 lost += done

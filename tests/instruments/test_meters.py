@@ -174,7 +174,7 @@ def test_every_fault_has_its_error_in_time_and_the_next_measurement_succeeds(
         device.faults.add([fault])
         start = time.monotonic()
         with pytest.raises(EXPECTED[fault]):
-            meter.measure(within=0.25)
+            meter.measure(within=0.25 if fault in ("silent", "slow") else 2.0)
         assert time.monotonic() - start < 1.5
         if fault == "unplug":
             return
@@ -190,7 +190,7 @@ def test_garbled_spectra_are_refused_wherever_they_can_be_told(model, fault):
         for _ in range(8):
             device.faults.add([fault])
             try:
-                reading = meter.measure(within=0.25)
+                reading = meter.measure()
             except (MalformedReply, TruncatedReply, NoReply):
                 pass
             except (CommandRejected, WrongDevice, OverRange, TooDark, Unsteady):
