@@ -45,7 +45,8 @@ def measure(
     Parameters
     ----------
     log
-        The session's log to write or to read, .skinlog.
+        The session's log to write or to read, .skinlog; a new one is named by date and
+        time if not said.
     port
         Port of the spectroradiometer, as /dev/ttyACM0, socket://host:4001, or
         sim://pr655 for a simulated one (also pr670, pr650, cr250); auto for the one
@@ -90,20 +91,28 @@ def measure(
     if list:
         _list_ports(json)
         return
-    if log is None:
+    if log is None and (port is None or resume):
         raise ArgumentError("name the session's log, as hand.skinlog, or say --list")
+    own = _named_by_time() if log is None else log
     wanted = Wanted(
-        log, port, meter, stage, zero, home, plan, white, subject, site, resume,
+        own, port, meter, stage, zero, home, plan, white, subject, site, resume,
         simulate, seed, yes,
     )  # fmt: skip
-    _require_outputs(log, export, gonio)
+    _require_outputs(own, export, gonio)
     if port is not None:
         _measure(wanted, quiet=json)
     elif wanted.idle:
         raise ArgumentError(
             f"{', '.join(wanted.idle)} is for measuring; say --port, or leave it out"
         )
-    _conclude(log, export, gonio, json=json)
+    _conclude(own, export, gonio, json=json)
+
+
+def _named_by_time() -> Path:
+    """Return the name of a new log, by the moment."""
+    from datetime import datetime
+
+    return Path(f"{datetime.now().astimezone():%Y%m%d-%H%M%S}.skinlog")
 
 
 def _list_ports(json: bool) -> None:
@@ -190,4 +199,4 @@ def _conclude(
         return
     for line in report_lines(told):
         say(line)
-    say_files(files)
+    say_files([log, *files])

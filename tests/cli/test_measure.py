@@ -127,6 +127,13 @@ def test_an_interrupted_session_goes_on(log, tmp_path, capsys):
     assert "P07: 12 readings" in capsys.readouterr().out
 
 
+def test_a_log_without_a_name_is_named_by_its_time(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["measure", *SIM, "--yes", *_plan(tmp_path)]) == 0
+    (made,) = tmp_path.glob("20*.skinlog")
+    assert made.name in capsys.readouterr().out
+
+
 def test_ports_are_listed(monkeypatch, capsys):
     from skinviz.instruments import serial_ports as ports
 
