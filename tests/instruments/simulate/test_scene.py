@@ -35,9 +35,8 @@ def test_radiance_falls_with_the_cosine_and_is_none_in_the_dark():
 
 
 def test_skin_is_its_body_and_its_lobe():
-    on = bench(
-        subject=subject(lambda light, view: 0.001 * (light + 2 * view)), ambient=0
-    )
+    glossy = subject(lambda light, view: 0.001 * (light + 2 * view))
+    on = bench(subject=glossy, ambient=0.0, grating=0.0)
     seen = {}
     for target in ("white", "sample"):
         on.arrange(Arrangement(target, True, 30.5, 20.25, "open"))
