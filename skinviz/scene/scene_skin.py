@@ -3,30 +3,42 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from skinviz._files import existing_file
 from skinviz.errors import DataError
+from skinviz.scene.painted import painted_image, painted_vertices
 from skinviz.scene.scene import Skin
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.fitted import FITS_FORMAT
+from skinviz.skin.model import SkinModel
 from skinviz.skin.models import skin_model
 from skinviz.skin.report import FIT_FORMAT
+from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.archives import load_archive
 
+if TYPE_CHECKING:
+    import pyvista
+
 _TISSUE = {"site", "thickness", "coefficients", "free"}
+_MODEL = {"model", "specular"} | _TISSUE
 _SKIN_KEYS = {
-    "weights": {"model", "specular"} | _TISSUE,
+    "weights": _MODEL,
     "fit": {"record"},
-    "archive": {"model", "specular", "origin", "subject"} | _TISSUE,
+    "archive": {"origin", "subject"} | _MODEL,
+    "painted": _MODEL,
+    "image": {"weights_at_one"} | _MODEL,
 }
+_SHOWN = 20  # labels of a file that an error lists
+_ELSEWHERE = {"map", "point", "change", "texture"}  # said on top of any skin
 
 
-def skin_of(table: dict[str, Any], folder: Path) -> Skin:
-    """Return the skin: weights given, read from a fit file, or fitted now."""
+def skin_of(table: dict[str, Any], folder: Path, mesh: pyvista.PolyData) -> Skin:
+    """Return the skin: weights given or painted, read from a fit file, or fitted."""
     sources = [key for key in _SKIN_KEYS if key in table]
     if len(sources) != 1:
         raise DataError(
@@ -34,7 +46,7 @@ def skin_of(table: dict[str, Any], folder: Path) -> Skin:
             f'fit = "fit.json" and archive = "issa"; got {sources or "none"}'
         )
     (source,) = sources
-    idle = sorted(table.keys() - _SKIN_KEYS[source] - {source})
+    idle = sorted(table.keys() - _SKIN_KEYS[source] - _ELSEWHERE - {source})
     if idle:
         raise DataError(f"[skin] with {source} has no use for {', '.join(idle)}")
     if source == "fit":
@@ -51,35 +63,77 @@ def skin_of(table: dict[str, Any], folder: Path) -> Skin:
             "spectrum behind the weights was measured"
         )
     model = skin_model(name, specular=table["specular"], **options)
-    return Skin(model, np.asarray(table["weights"], dtype=np.float64))
+    if source == "weights":
+        return Skin(model, np.asarray(table["weights"], dtype=np.float64))
+    return _painted_skin(table, model, folder, mesh)
+
+
+def _painted_skin(
+    table: dict[str, Any], model: SkinModel, folder: Path, mesh: pyvista.PolyData
+) -> Skin:
+    """Return skin whose parameters a mesh file or an image has."""
+    if "painted" in table:
+        values = painted_vertices(mesh, folder / table["painted"])
+        return Skin(model, values, (f"painted in {table['painted']}",))
+    if "weights_at_one" not in table:
+        names = ", ".join(parameter.name for parameter in model.parameters)
+        raise DataError(
+            f"[skin] with image needs weights_at_one = [{names}], the weights that the "
+            "number 1.0 stands for in each channel"
+        )
+    values = painted_image(mesh, folder / table["image"], table["weights_at_one"])
+    return Skin(model, values, (f"painted in {table['image']}",))
 
 
 def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> Skin:
     """Fit the spectrum of one archive subject and site."""
+    archive, chosen = _chosen(table, table.get("site"))
+    if "thickness" in options:  # then the site only names the spectrum
+        options = {key: options[key] for key in options if key != "site"}
+    specular = table.get("specular", archive.attrs["specular"])
+    model = skin_model(name, specular=specular, **options)
+    return Skin.from_fit(_fitted(archive, chosen, model))
+
+
+def archive_fit(table: Mapping[str, Any], site: str, model: SkinModel) -> Skin:
+    """Return the skin of a [skin]'s person at another site, of a model that is given.
+
+    Raises
+    ------
+    DataError
+        If the archive has no spectrum of it.
+    """
+    return Skin.from_fit(_fitted(*_chosen(table, site), model))
+
+
+def _chosen(table: Mapping[str, Any], site: str | None) -> tuple[Any, Any]:
+    """Return an archive, and which of its records are of a subject's site."""
     archive = load_archive(table["archive"])
     chosen = np.ones(archive.sizes["record"], dtype=bool)
+    asked = {**table, **({} if site is None else {"site": site})}
     for key in ("origin", "subject", "site"):
-        if key not in table:
+        if key not in asked:
             raise DataError(f"[skin] with archive needs {key} = ...")
-        chosen &= archive[key].values == str(table[key])
+        chosen &= archive[key].values == str(asked[key])
     if not chosen.any():
         sites = sorted(set(archive["site"].values))
         raise DataError(
             f"archive {table['archive']!r} has no spectrum of subject "
-            f"{table['subject']!r} of {table['origin']!r} at {table['site']!r}; its "
+            f"{table['subject']!r} of {table['origin']!r} at {site!r}; its "
             f"sites are {', '.join(sites)}, its origins "
             f"{', '.join(sorted(set(archive['origin'].values)))}"
         )
-    if "thickness" in options:  # then the site only names the spectrum
-        options = {key: options[key] for key in options if key != "site"}
+    return archive, chosen
+
+
+def _fitted(archive: Any, chosen: Any, model: SkinModel) -> SkinFit:
+    """Return the fit of the mean of some of an archive's spectra."""
     spectrum = archive.reflectance.values[chosen].mean(axis=0)
-    specular = table.get("specular", archive.attrs["specular"])
-    model = skin_model(name, specular=specular, **options)
-    return Skin.from_fit(fit_skin(spectrum, archive.wavelength.values, model))
+    return fit_skin(spectrum, archive.wavelength.values, model)
 
 
-def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
-    """Return the skin in a JSON file that ``skinviz fit`` wrote."""
+def skin_from_fit_file(path: Path, record: int | str = 0) -> Skin:
+    """Return the skin in a JSON file that ``skinviz fit`` wrote, by number or label."""
     file = existing_file(path, DataError)
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
@@ -97,8 +151,7 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
         raise DataError(f"{file}: not a fit file of 'skinviz fit'") from error
     if not known:
         raise DataError(f"{file}: written as {content['format']!r}; fit the file anew")
-    if record >= len(fits):
-        raise DataError(f"{file} has {len(fits)} records, 0 the first; got {record}")
+    record = _record(fits, record, file)
     model = skin_model(name, thickness=thickness, hypodermis=backing, **options)
     weights = fits[record]["parameters"]
     values = [weights[p.name]["value"] for p in model.parameters]
@@ -107,3 +160,19 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
             f"{file}: record {record} was refused by the fit; choose another"
         )
     return Skin(model, np.asarray(values, dtype=np.float64))
+
+
+def _record(fits: list[dict[str, Any]], record: int | str, file: Path) -> int:
+    """Return which of a file's fits a number or a label says."""
+    if isinstance(record, str):
+        labels = [str(fit.get("label")) for fit in fits]
+        if labels.count(record) != 1:
+            raise DataError(
+                f"{file} has {labels.count(record)} fits labelled {record!r}; its "
+                f"labels are {', '.join(labels[:_SHOWN])}"
+                + (", ..." if len(labels) > _SHOWN else "")
+            )
+        return labels.index(record)
+    if record >= len(fits):
+        raise DataError(f"{file} has {len(fits)} records, 0 the first; got {record}")
+    return record

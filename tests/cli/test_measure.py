@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from benches import bench
 
 import skinviz
 from skinviz.cli.main import main
@@ -15,6 +16,8 @@ from skinviz.instruments.arrangement import Arrangement
 from skinviz.instruments.errors import NoReply
 from skinviz.instruments.meters import Reading
 from skinviz.instruments.plan import Step
+from skinviz.instruments.simulate.pr655 import SimulatedPR655
+from skinviz.instruments.simulate.serve import serve
 
 SIM = ["--port", "sim://pr655"]
 QUICK = """
@@ -189,6 +192,28 @@ def test_a_person_is_asked_and_may_stop(log, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "stdin", io.StringIO(""))
     assert main(words) == 1
     assert "--yes" in capsys.readouterr().err
+
+
+def test_a_port_by_its_name_is_measured_at_with_a_certificate(
+    log, tmp_path, monkeypatch, capsys
+):
+    on = bench()
+    tile = tmp_path / "tile.csv"
+    rows = [f"{nm:g},{factor:.6f},0.001" for nm, factor in zip(*on.tile, strict=True)]
+    tile.write_text("wavelength_nm,factor,uncertainty\n" + "\n".join(rows), "utf-8")
+    plan = _plan(tmp_path)
+    text = (tmp_path / "plan.toml").read_text() + "ambient = false\n"
+    (tmp_path / "plan.toml").write_text(text)
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n" * 9))
+    out = tmp_path / "a.nc"
+    with serve(SimulatedPR655(on)) as server:
+        words = ["measure", str(log), "--port", server.url, *plan, "--export", str(out)]
+        assert main([*words, "--white", str(tile)]) == 0
+    # Nobody moved the white tile away, so the sample is the tile.
+    found = skinviz.read_spectra(out)
+    expected = np.interp(found.wavelength, *on.tile)
+    np.testing.assert_allclose(found.reflectance.values[0], expected, rtol=3e-3)
+    assert "61234567" in capsys.readouterr().out
 
 
 def test_only_what_differs_is_asked_for():
