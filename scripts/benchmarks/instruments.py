@@ -49,7 +49,7 @@ from skinviz.instruments.simulate.serve import serve
 from skinviz.instruments.simulate.start import DEVICES
 from skinviz.instruments.simulate.zaber import SimulatedZaber
 from skinviz.instruments.skinlog import read_log
-from skinviz.skin.fit import fit_skin
+from skinviz.skin.scale_error import fit_uncertain_scale
 from skinviz.surface.lobe_fit import fit_lobe
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 
@@ -181,7 +181,10 @@ def _recovered(count: int, rng: np.random.Generator) -> list[Row]:
         off = (value - MODEL.measured(truth, nm)) / u
         inside.append(np.abs(off) < 3)
         pulls.append(off)
-        interval = fit_skin(value, nm, MODEL, uncertainty=u).interval
+        scale = spectra.attrs["scale_uncertainty"]
+        interval = fit_uncertain_scale(
+            value, nm, MODEL, scale=scale, uncertainty=u
+        ).interval
         held = (interval[:, 0] <= truth) & (truth <= interval[:, 1])
         covered.append(held)
         together += held.all()
@@ -208,8 +211,12 @@ def _off_certificate(count: int, rng: np.random.Generator) -> list[Row]:
         truth = rng.uniform(LOW, HIGH)
         spectra = _session(REFLECTANCE, 1000 + i, weights=truth, off=u * rng.normal())
         value, sigma = spectra.reflectance.values[0], spectra.uncertainty.values[0]
-        interval = fit_skin(
-            value, spectra.wavelength.values, MODEL, uncertainty=sigma
+        interval = fit_uncertain_scale(
+            value,
+            spectra.wavelength.values,
+            MODEL,
+            scale=spectra.attrs["scale_uncertainty"],
+            uncertainty=sigma,
         ).interval
         covered.append((interval[:, 0] <= truth) & (truth <= interval[:, 1]))
     each = np.sum(covered, axis=0)

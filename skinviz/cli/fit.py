@@ -155,6 +155,7 @@ def _fit(
     from skinviz.errors import ArgumentError, DataError
     from skinviz.skin.fit import fit_skin
     from skinviz.skin.fitted import GRID, Fitted
+    from skinviz.skin.scale_error import fit_uncertain_scale
 
     if uncertainty is not None and not (0 < uncertainty < np.inf):
         raise ArgumentError(
@@ -165,14 +166,25 @@ def _fit(
         dims = GRID if is_cube(own) else ("record",)
         data = own["reflectance"].transpose(*dims, "wavelength").values
         bands = own["wavelength"].values
-        sigma = uncertainty_of(own, uncertainty)
+        sigma, scale = uncertainty_of(own, uncertainty)
         fits = []
         for model in models:
             begin(f"fit {model.name}" + (f", {file.name}" if len(spectra) > 1 else ""))
             advance = begin.counting(count(own))
             try:
                 fits.append(
-                    fit_skin(data, bands, model, uncertainty=sigma, advance=advance)
+                    fit_uncertain_scale(
+                        data,
+                        bands,
+                        model,
+                        uncertainty=sigma,
+                        scale=scale,
+                        advance=advance,
+                    )
+                    if scale
+                    else fit_skin(
+                        data, bands, model, uncertainty=sigma, advance=advance
+                    )
                 )
             except ArgumentError as error:
                 raise DataError(f"{file}: {error}") from error

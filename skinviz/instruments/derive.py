@@ -40,6 +40,9 @@ class Derived:
         Radiance factors; illumination in degrees.
     parts : dict of (site, illumination) to Separated
         Body and surface, where the states tell them apart.
+    scale : float
+        Standard uncertainty of the white's certificate, the share that all bands have
+        in common. [1]
     asymmetry : dict of site to (float, float)
         Of the light that leaves the body, measured, with its standard uncertainty.
     notes : tuple of str
@@ -49,6 +52,7 @@ class Derived:
     frames: Frames
     factors: dict[tuple[str, float, str], Factor]
     parts: dict[tuple[str, float], Separated]
+    scale: float
     asymmetry: dict[str, tuple[float, float]]
     notes: tuple[str, ...]
 
@@ -94,7 +98,7 @@ def derive(log: SkinLog) -> Derived:
         notes.append("bands outside the white's certificate are left out")
     scale = float(np.nanmedian(u_certified / certified))
     parts, asymmetry = _parts(frames, factors, bends, scale)
-    return Derived(frames, factors, parts, asymmetry, tuple(notes))
+    return Derived(frames, factors, parts, scale, asymmetry, tuple(notes))
 
 
 def _parts(
@@ -179,7 +183,9 @@ def read_session(path: str | os.PathLike[str]) -> xarray.Dataset:
         with ``uncertainty``, its standard uncertainty, beside it [1], NaN in bands that
         say nothing. A record for each site and angle: the body's part where polarisers
         tell it apart, the radiance factor otherwise; angles on the viewer's side are
-        left out. ``subject`` and ``site`` are coordinates.
+        left out. ``subject`` and ``site`` are coordinates. The attribute
+        ``scale_uncertainty`` is the share of the uncertainty that all bands have in
+        common, by the white's certificate. [1]
 
     Raises
     ------
@@ -222,6 +228,7 @@ def spectra_of(log: SkinLog, derived: Derived, source: str) -> xarray.Dataset:
         attrs={
             "source": source,
             "specular": "excluded",
+            "scale_uncertainty": derived.scale,
             "geometry": _geometry(told, plan.viewing),
             "instrument": f"{meter['maker']} {meter['model']} {meter['serial']}",
             "date": str(log.header["utc"])[:19],

@@ -18,6 +18,7 @@ from skinviz.instruments.meters import Reading
 from skinviz.instruments.plan import Step
 from skinviz.instruments.simulate.pr655 import SimulatedPR655
 from skinviz.instruments.simulate.serve import serve
+from skinviz.skin.scale_error import fit_uncertain_scale
 
 SIM = ["--port", "sim://pr655"]
 QUICK = """
@@ -69,10 +70,12 @@ def test_a_fit_takes_the_measured_uncertainty(log, tmp_path, capsys):
     truth = dict(zip(("w_m", "w_h", "w_dh"), (0.12, 0.006, 0.004), strict=True))
     spectra = skinviz.read_spectra(out)
     model = skinviz.skin_model(site="back of hand", specular="excluded")
-    expected = skinviz.fit_skin(
+    assert spectra.attrs["scale_uncertainty"] == pytest.approx(0.002 / 0.985)
+    expected = fit_uncertain_scale(
         spectra.reflectance.values[0],
         spectra.wavelength.values,
         model,
+        scale=spectra.attrs["scale_uncertainty"],
         uncertainty=spectra.uncertainty.values[0],
     )
     for i, (name, weight) in enumerate(weights.items()):
