@@ -8,10 +8,12 @@ from dataclasses import fields as fields_of
 from functools import cached_property
 from typing import Any, Self
 
+import numpy as np
+
 from skinviz._validate import in_range, one_of
 from skinviz.errors import ArgumentError
 from skinviz.instruments.arrangement import SAMPLE, STATES, WHITE, Arrangement
-from skinviz.instruments.polarisation import Polarisers
+from skinviz.instruments.polarisation import Polarisers, state_weights
 
 BEFORE, AFTER = "white before", "white after"
 """The sweeps over the white; the others are named after sites."""
@@ -98,7 +100,10 @@ class Plan:
         in_range(self.repeats, 2, 1000, "repeats")
         in_range(self.exposure, 0.0, 60.0, "exposure", "s")
         in_range(self.average, 1, 99, "average")
-        Polarisers(self.n, self.leakage)
+        given = Polarisers(self.n, self.leakage)
+        for angle in self.illumination if len(self.states) > 1 else ():
+            angles = (np.deg2rad(angle), np.deg2rad(self.viewing))
+            state_weights(self.states, angles, given)
         if len(self.steps) * self.repeats > _MOST:
             raise ArgumentError(
                 f"{len(self.steps) * self.repeats:,} readings are too many for a "

@@ -249,6 +249,27 @@ def separate(
     )
 
 
+def state_weights(
+    states: Sequence[str], angles: tuple[float, float], given: Polarisers
+) -> Array:
+    """Return the weights (m, 2) of states at angles of illumination and viewing [rad].
+
+    Raises
+    ------
+    ArgumentError
+        If they do not tell surface and body apart.
+    """
+    rows = np.array([weights(state, *angles, given) for state in states])
+    if len(rows) < 2 or np.ptp(rows[:, 1] - rows[:, 0]) < _ALIKE:
+        illumination, viewing = np.rad2deg(angles)
+        raise ArgumentError(
+            f"the states {', '.join(states)} do not tell surface and body apart at "
+            f"{illumination:g}/{viewing:g} degrees; measure s and p near Brewster's "
+            "angle, parallel and crossed near the normal"
+        )
+    return rows
+
+
 def _solve(
     states: Sequence[str],
     factors: Array,
@@ -257,15 +278,7 @@ def _solve(
     given: Polarisers,
 ) -> Separated:
     """Return weighted least squares of two unknowns in each band."""
-    illumination, viewing = angles
-    rows = [weights(state, illumination, viewing, given) for state in states]
-    d, s = np.array(rows).T[..., np.newaxis]
-    if len(rows) < 2 or np.ptp(s - d) < _ALIKE:
-        raise ArgumentError(
-            f"the states {', '.join(states)} do not tell surface and body apart at "
-            f"{np.rad2deg(illumination):g}/{np.rad2deg(viewing):g} degrees; measure s "
-            "and p near Brewster's angle, parallel and crossed near the normal"
-        )
+    d, s = state_weights(states, angles, given).T[..., np.newaxis]
     w = 1 / np.square(uncertainties)
     dd, ds, ss = ((w * x).sum(axis=0) for x in (d * d, d * s, s * s))
     df, sf = ((w * x * factors).sum(axis=0) for x in (d, s))

@@ -8,7 +8,9 @@ from skinviz.instruments.plan_file import read_plan
 
 
 def test_white_stands_before_and_after_all_sites():
-    plan = Plan(sites=("cheek", "arm"), illumination=(0.0, 30.0), states=("s", "p"))
+    plan = Plan(
+        sites=("cheek", "arm"), illumination=(0.0, 30.0), viewing=60, states=("s", "p")
+    )
     sweeps = [step.sweep for step in plan.steps]
     assert list(dict.fromkeys(sweeps)) == [BEFORE, "cheek", "arm", AFTER]
     assert [step.number for step in plan.steps] == list(range(len(sweeps)))
@@ -40,6 +42,7 @@ def test_a_plan_is_kept_as_it_is():
         ({"sites": (AFTER,)}, "called"),
         ({"illumination": (90.0,)}, "85"),
         ({"states": ("crossed", "q")}, "choose one of"),
+        ({"states": ("s", "p"), "illumination": (0.0,)}, "apart at 0/0"),
         ({"repeats": 1}, "repeats"),
         ({"average": 0}, "average"),
         ({"leakage": 1}, "leakage"),
