@@ -23,7 +23,14 @@ from skinviz.surface.lobe_fit import fit_lobe
 from skinviz.surface.surface import Surface
 from skinviz.surface.torrance_sparrow import TorranceSparrow
 from skinviz.view.comparison_colours import colours_within
-from skinviz.view.comparison_levels import WIDTH, drawn, error_text, shortened, title_of
+from skinviz.view.comparison_levels import (
+    WIDTH,
+    drawn,
+    error_text,
+    shortened,
+    shown,
+    title_of,
+)
 from skinviz.view.hands_grid import Hand, hands_figure, render_linked
 
 if TYPE_CHECKING:
@@ -105,10 +112,11 @@ def comparison_hands(
     }
     rows, names = [], []
     for stratum in comparison.strata:
-        levels = [cell.level for cell in drawn(comparison, stratum)]
-        for row in _rows(levels):
-            rows.append([hands.get((stratum, level)) for level in row])
-            names.append(title_of(stratum))
+        for levels in _rows(shown(comparison)):  # a level has its column in all strata
+            row = [hands.get((stratum, level)) for level in levels]
+            if any(row):
+                rows.append(row)
+                names.append(title_of(stratum))
     words = (
         f"The skin fitted to each mean spectrum on {maker.told}, light {illuminant} at "
         f"{LIGHT:g}°, one scale and exposure. Swatches: the fit under D65, its "

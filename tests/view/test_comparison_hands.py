@@ -70,3 +70,21 @@ def test_the_lobe_of_a_subjects_readings_is_used(study):
     )
     assert not np.array_equal(with_lobe["A"], without["A"])
     assert np.array_equal(with_lobe["B"], without["B"])
+
+
+def test_a_level_that_one_site_lacks_leaves_its_place_empty(study):
+    own = read_study("docs/examples/study")
+    few = select(
+        own.spectra, subject=["A", "G", "H"], site=["back of hand", "inner arm"]
+    )
+    after = few.isel(record=np.flatnonzero(few["condition"].values == "after sun"))
+    found = compare_study(dataclasses.replace(own, spectra=after, shapes={}), "subject")
+    assert [len(found.row(stratum)) for stratum in found.strata] == [3, 2]
+    pictures = [
+        axes
+        for axes in comparison_hands(found).figure.axes
+        if axes.images and axes.images[0].get_array().shape[0] > 10
+    ]
+    at = [round(axes.get_position().x0, 6) for axes in pictures]
+    assert at[:2] == at[3:]
+    assert [axes.texts[0].get_text() for axes in pictures] == ["A", "G", "H", "A", "G"]
