@@ -29,7 +29,7 @@ def mean_rows(comparison: Comparison) -> Iterator[Row]:
     for cell in comparison.cells:
         for quantity, mean in zip(comparison.quantities, cell.means, strict=True):
             yield {
-                **_where(cell.stratum),
+                **_where(comparison.by, cell.stratum),
                 comparison.by: cell.level,
                 "quantity": quantity.name,
                 "unit": quantity.unit,
@@ -47,7 +47,7 @@ def difference_rows(comparison: Comparison) -> Iterator[Row]:
     for contrast in comparison.contrasts:
         found = contrast.difference
         yield {
-            **_where(contrast.stratum),
+            **_where(comparison.by, contrast.stratum),
             "first": contrast.first,
             "second": contrast.second,
             "quantity": contrast.quantity.name,
@@ -71,7 +71,7 @@ def colour_rows(comparison: Comparison) -> Iterator[Row]:
     """Yield a row for each pair of levels and stratum: ΔE00 of their mean spectra."""
     for own in comparison.colours:
         yield {
-            **_where(own.stratum),
+            **_where(comparison.by, own.stratum),
             "first": own.first,
             "second": own.second,
             "delta_e_measured": _finite(own.delta_e),
@@ -86,7 +86,7 @@ def level_rows(comparison: Comparison) -> Iterator[Row]:
     for cell in comparison.cells:
         fit = cell.fit
         row = {
-            **_where(cell.stratum),
+            **_where(comparison.by, cell.stratum),
             comparison.by: cell.level,
             "n": len(cell.units),
             "of": comparison.unit,
@@ -112,7 +112,7 @@ def spectrum_rows(comparison: Comparison) -> Iterator[Row]:
         for k, nm in enumerate(bands):
             if known[k]:
                 yield {
-                    **_where(cell.stratum),
+                    **_where(comparison.by, cell.stratum),
                     comparison.by: cell.level,
                     "wavelength_nm": float(nm),
                     "n": int(known[k]),
@@ -179,10 +179,10 @@ def facts(study: Study) -> Row:
     }
 
 
-def _where(stratum: Stratum) -> Row:
-    """Return the columns that say in which stratum a row is."""
+def _where(by: str, stratum: Stratum) -> Row:
+    """Return the columns that say in which stratum a row is, the same in all rows."""
     parts = {"site": stratum.site, "condition": stratum.condition}
-    return {key: value for key, value in parts.items() if value}
+    return {key: value for key, value in parts.items() if key != by}
 
 
 def _spread(cell: Cell) -> tuple[Any, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,6 +24,7 @@ COLUMNS = ("file", "label", *FIELDS)
 """What a table of records can tell."""
 
 _AT_MOST = 2**26  # bytes of a table
+_REPEAT = re.compile(r"0{,99}[1-9][0-9]{,8}")
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class Entry:
     subject, site, condition : str
         Whose, where, when; no condition is "".
     repeat : int
-        1, 2, ...
+        1, 2, ...; 0 if it is not known.
     group, sex, age, origin : str
         Of the subject, "" where not told.
     """
@@ -92,12 +94,12 @@ def listing_of(rows: Iterable[Mapping[str, Any]]) -> Listing:
                 )
         words: dict[str, Any] = {k: " ".join(str(v).split()) for k, v in row.items()}
         number = words.pop("repeat", "") or "1"
-        entry = Entry(**words)
+        entry = Entry(**words, repeat=0)
         lacking = [k for k in ("file", "subject", "site") if not getattr(entry, k)]
         if lacking:
             passed.append((entry, f"its {' and '.join(lacking)} is not told"))
-        elif not (number.isascii() and number.isdigit() and int(number) > 0):
-            passed.append((entry, f"its repeat must be 1, 2, ...; got {number!r}"))
+        elif not _REPEAT.fullmatch(number):
+            passed.append((entry, f"its repeat must be 1, 2, ...; got {number[:20]!r}"))
         else:
             entries.append(dataclasses.replace(entry, repeat=int(number)))
     return Listing(tuple(entries), tuple(passed))

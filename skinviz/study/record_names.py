@@ -54,14 +54,14 @@ def listing_of_names(
     for own in _files_beside(folder, name.fixed, name.depth):
         found = name.match(own)
         if found is None:
-            passed.append((Entry(own), f"its name does not follow {pattern!r}"))
+            passed.append((Entry(own, repeat=0), f"its name does not follow {pattern!r}"))
         elif inside is None:
             rows.append({"file": own, **found})
         else:
             more, unclear = _labelled(own, inside, read)
             rows += [{"file": own, **found, **row} for row in more]
             known: dict[str, Any] = {k: v for k, v in found.items() if k != "repeat"}
-            passed += [(Entry(own, **known), why) for why in unclear]
+            passed += [(Entry(own, repeat=0, **known), why) for why in unclear]
     listing = listing_of(rows)
     return Listing(listing.entries, (*listing.passed, *passed))
 

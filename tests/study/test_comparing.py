@@ -11,6 +11,7 @@ from study_folders import BANDS, skin
 from skinviz import ArgumentError, archive_study, compare_study, read_study
 from skinviz.spectra.colorimetry import delta_e_2000, spectrum_to_xyz, xyz_to_lab
 from skinviz.study.comparing import MOST_LEVELS
+from skinviz.study.comparison_tables import as_data, csv_tables
 from skinviz.study.record_list import Entry
 from skinviz.study.records import Record, as_dataset
 from skinviz.study.study import Study
@@ -352,3 +353,20 @@ def test_several_spectra_of_an_archives_site_are_repeats():
     own = subjects == subjects[repeats.argmax()]
     assert_array_equal(repeats[own], np.arange(1, own.sum() + 1))
     assert own.sum() == repeats.max()
+
+
+def test_tables_have_the_same_columns_whatever_their_first_row_is():
+    rng = np.random.default_rng(8)
+    rows = [
+        (Entry("f", "", f"P{i}", site, condition), WEIGHTS * rng.uniform(0.8, 1.2, 3))
+        for i in range(3)
+        for site in ("cheek", "inner arm")
+        for condition in ("", "after")
+    ]
+    found = compare_study(study_of(rows), "site")
+    assert [stratum.condition for stratum in found.strata] == ["", "after"]
+    for name, text in csv_tables(found).items():
+        cells = [line.count(",") for line in text.splitlines()]
+        assert len(set(cells)) == 1, name
+    told = [row["condition"] for row in as_data(found)["means"]]
+    assert set(told[: len(told) // 2]) == {""}

@@ -276,6 +276,7 @@ def test_a_wrong_study_file_is_refused_in_one_line(tmp_path, toml, told):
         (["file,subject,site", "a,,cheek"], "its subject is not told"),
         (["subject,site", "a,cheek"], "its file is not told"),
         (["file,subject,site,repeat", "a,b,cheek,1.5"], "its repeat must be 1, 2"),
+        (["file,subject,site,repeat", f"a,b,cheek,{'9' * 5000}"], "got '9{20}'$"),
         (["file,subject,site", "a.csv,b,cheek"], "no such file"),
     ],
 )
