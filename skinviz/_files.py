@@ -11,6 +11,7 @@ from pathlib import Path
 
 from skinviz.errors import SkinvizError
 
+_NAMED = 2  # files that one error names
 _FULL = "free some space there or write to another disk"
 _FORBIDDEN = "write to a folder that you may write to"
 _ADVICE = {
@@ -69,7 +70,9 @@ def whole_files(*paths: str | os.PathLike[str]) -> Iterator[tuple[Path, ...]]:
         yield tuple(partials)
         _take_names(partials, targets)
     except OSError as error:
-        names = " and ".join(map(str, targets))
+        names = " and ".join(map(str, targets[:_NAMED]))
+        if len(targets) > _NAMED:
+            names += f" and {len(targets) - _NAMED} more"
         raise SkinvizError(f"cannot write {names}: {_told(error)}") from error
     finally:
         for partial in partials:

@@ -305,3 +305,15 @@ def test_a_link_to_nothing_is_no_file(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "gone")
     with pytest.raises(DataError, match="link: no such file"):
         existing_file(tmp_path / "link", DataError)
+
+
+def test_an_error_of_many_files_names_the_first_two(tmp_path):
+    paths = [tmp_path / "none" / name for name in "abcde"]
+    (tmp_path / "none").write_text("x", "utf-8")
+    with (
+        pytest.raises(
+            SkinvizError, match=r"none/a and .*none/b and 3 more: File exists"
+        ),
+        whole_files(*paths),
+    ):
+        pass

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from skinviz.cli.arguments import Whole
-from skinviz.cli.output import Steps, progress_bar, say_files, say_json
+from skinviz.cli.output import (
+    Steps,
+    progress_bar,
+    require_folder,
+    say_files,
+    say_json,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -89,14 +95,12 @@ def compare(
         Print what was found as JSON.
     """
     from skinviz.cli.compare_output import say_comparison, write_comparison
-    from skinviz.errors import SkinvizError
     from skinviz.spectra.illuminants import as_illuminant
     from skinviz.study.comparing import compare_study
     from skinviz.study.comparison_report import attribution
     from skinviz.view.comparison_figures import comparison_figures
 
-    if out.exists() and not out.is_dir():
-        raise SkinvizError(f"--out {out} is a file; name a folder")
+    require_folder(out)
     as_illuminant(illuminant)
     choice = {"group": group, "site": site, "origin": origin, "sex": sex}
     with progress_bar(4 + (not no_hands)) as begin:

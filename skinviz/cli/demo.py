@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from skinviz.cli.output import (
     progress_bar,
+    require_folder,
     say,
     say_files,
     say_json,
@@ -51,10 +52,8 @@ def demo(
         Print the report as JSON.
     """
     from skinviz._system import require_system_libraries
-    from skinviz.errors import SkinvizError
 
-    if out.exists() and not out.is_dir():
-        raise SkinvizError(f"--out {out} is a file; name a folder")
+    require_folder(out)
     require_system_libraries("pymeshlab")
     started = time.perf_counter()
     from skinviz.rendering.geometry import geometry_of

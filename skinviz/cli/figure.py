@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from skinviz.cli.arguments import Whole
-from skinviz.cli.output import progress_bar, say, say_files, say_json
+from skinviz.cli.output import (
+    progress_bar,
+    require_folder,
+    say,
+    say_files,
+    say_json,
+)
 
 if TYPE_CHECKING:
     from skinviz.view.gallery.book import Made
@@ -56,7 +62,7 @@ def figure(
     json
         Print what was made as JSON.
     """
-    from skinviz.errors import ArgumentError, SkinvizError
+    from skinviz.errors import ArgumentError
     from skinviz.view.gallery.catalogue import NAMES, recipe_of, settings_for
 
     named = [recipe_of(name) for name in dict.fromkeys(names) if name != ALL]
@@ -72,8 +78,7 @@ def figure(
         )
     if out is None:
         raise ArgumentError("say with --out which folder to write into")
-    if out.exists() and not out.is_dir():
-        raise SkinvizError(f"--out {out} is a file; name a folder")
+    require_folder(out)
     asked = [
         (recipe, settings_for(recipe, width=size, seed=seed, dots=dots))
         for recipe in recipes

@@ -38,7 +38,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
 }
 """The verbs; their modules load heavy libraries only when they are called."""
 
-DONE, FAILED, MISUSED = 0, 1, 2
+DONE, FAILED, MISUSED, INTERRUPTED = 0, 1, 2, 130
 
 
 def make_app() -> cyclopts.App:
@@ -50,6 +50,7 @@ def make_app() -> cyclopts.App:
         help_format="plaintext",
         default_parameter=cyclopts.Parameter(negative=""),
         result_action="return_value",
+        suppress_keyboard_interrupt=False,  # main says so itself
     )
     for verb, function in VERBS.items():
         app.command(function, name=verb)
@@ -67,7 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     code : int
-        0 done, 1 a ``SkinvizError`` told in one line, 2 wrong usage.
+        0 done, 1 a ``SkinvizError`` told in one line, 2 wrong usage, 130 interrupted.
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
     try:
@@ -83,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except KeyboardInterrupt:
         sys.stderr.write("skinviz: interrupted\n")
-        return FAILED
+        return INTERRUPTED
     return DONE
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinviz._files import whole_file
+from skinviz.errors import SkinvizError
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -99,6 +100,22 @@ def progress_bar(n_steps: int) -> Iterator[Steps]:
         steps = _Bar(n_steps, bar)
         yield steps
         steps.end()
+
+
+def require_folder(out: Path) -> None:
+    """Refuse what can be no folder to write into, before there is anything to write.
+
+    Raises
+    ------
+    SkinvizError
+        If it is a file, or its name is none that a folder may have.
+    """
+    try:
+        is_file = out.exists() and not out.is_dir()
+    except OSError as error:  # a name longer than any file's, a closed folder
+        raise SkinvizError(f"--out {out}: {error.strerror}; name another") from error
+    if is_file:
+        raise SkinvizError(f"--out {out} is a file; name a folder")
 
 
 def say(text: str) -> None:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from skinviz.cli.arguments import Whole
-from skinviz.cli.output import progress_bar, say, say_files, say_json, versions
+from skinviz.cli.output import (
+    progress_bar,
+    require_folder,
+    say,
+    say_files,
+    say_json,
+    versions,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,14 +58,12 @@ def tradeoff(
         Print what was measured as JSON.
     """
     from skinviz.cli.render import sized
-    from skinviz.errors import SkinvizError
     from skinviz.rendering.geometry import geometry_of
     from skinviz.rendering.tradeoff import tradeoff as measured
     from skinviz.rendering.ways import ways
     from skinviz.scene.scene_file import read_scene
 
-    if out.exists() and not out.is_dir():
-        raise SkinvizError(f"--out {out} is a file; name a folder")
+    require_folder(out)
     with progress_bar(4) as begin:
         begin("read scene")
         described = sized(read_scene(scene), size)

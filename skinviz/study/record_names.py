@@ -20,6 +20,7 @@ Reader = Callable[[str], "xarray.Dataset"]
 CUBE = "is a cube; a study takes single spectra of it"
 """Why a file that has no list of spectra cannot be used."""
 
+_DEEPEST = 8  # folders under the fixed part: links can make more without end
 _FIELD = re.compile(r"\{(\w*)\}")
 
 
@@ -41,9 +42,14 @@ def listing_of_names(
     read : callable
         Returns the spectra of a file of the folder.
     """
-    if pattern.startswith("/"):
+    if pattern.startswith("/") or ".." in pattern.split("/"):
         raise DataError(f"pattern {pattern!r} must be a path in the study's folder")
     name = _Pattern(pattern, "pattern")
+    if name.depth > _DEEPEST:
+        raise DataError(
+            f"pattern {pattern!r} has fields in {name.depth} folders, at most "
+            f"{_DEEPEST} are searched"
+        )
     inside = None if labels is None else _Pattern(labels, "labels")
     told = name.fields + (() if inside is None else inside.fields)
     for key in ("subject", "site"):
@@ -51,10 +57,15 @@ def listing_of_names(
             raise DataError(f"pattern {pattern!r} must tell {{{key}}}, or labels must")
     rows: list[dict[str, str]] = []
     passed: list[tuple[Entry, str]] = []
-    for own in _files_beside(folder, name.fixed, name.depth):
+    files = _files_beside(folder, name.fixed, name.depth)
+    if not files:
+        raise DataError(f"pattern {pattern!r}: there is no file of spectra")
+    for own in files:
         found = name.match(own)
         if found is None:
-            passed.append((Entry(own, repeat=0), f"its name does not follow {pattern!r}"))
+            passed.append(
+                (Entry(own, repeat=0), f"its name does not follow {pattern!r}")
+            )
         elif inside is None:
             rows.append({"file": own, **found})
         else:
@@ -120,8 +131,11 @@ class _Pattern:
 
 def _files_beside(folder: Path, fixed: str, depth: int) -> list[str]:
     """Return the files of spectra some folders under a part of a folder, by name."""
-    return sorted(
-        path.relative_to(folder).as_posix()
-        for path in (folder / fixed).glob("*/" * depth + "*")
-        if path.suffix.lower() in SUFFIXES and path.is_file()
-    )
+    try:
+        return sorted(
+            path.relative_to(folder).as_posix()
+            for path in (folder / fixed).glob("*/" * depth + "*")
+            if path.suffix.lower() in SUFFIXES and path.is_file()
+        )
+    except OSError as error:  # a name longer than any file's
+        raise DataError(f"cannot list {folder / fixed}: {error.strerror}") from error

@@ -76,7 +76,7 @@ def read_study(folder: str | os.PathLike[str], *, strict: bool = False) -> Study
         raise DataError(f"{home}: is a file; name the folder that has {STUDY_FILE}")
     file = existing_file(home / STUDY_FILE, DataError)
     try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
+        content = tomllib.loads(file.read_text(encoding="utf-8-sig"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise DataError(f"{file}: not a TOML file: {error}") from error
     try:
@@ -199,10 +199,14 @@ def _files_of(
     lost = []
 
     def there(name: str, site: str, told: Any) -> bool:
-        if (home / str(told)).is_file():
-            return True
-        lost.append(Gap(MISSING, name, site, "", 0, str(told), "no such file"))
-        return False
+        path = home / str(told)
+        try:
+            existing_file(path, DataError)
+        except DataError as error:
+            why = _without_path(str(error), path)
+            lost.append(Gap(MISSING, name, site, "", 0, str(told), why))
+            return False
+        return True
 
     for name, table in subjects.items():
         for key in ("mesh", "scan"):

@@ -56,8 +56,11 @@ def test_wrong_use_is_one_line(tmp_path, monkeypatch, capsys, words, told):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_file_is_no_folder(tmp_path, capsys):
-    file = tmp_path / "file"
-    file.write_text("x", "utf-8")
-    assert main(["figure", "6", "--out", str(file)]) == 1
-    assert "name a folder" in capsys.readouterr().err
+@pytest.mark.parametrize("name", ["file", "x" * 300, "file/below", "figures.json/.."])
+def test_what_is_no_folder_is_told_in_one_line(tmp_path, capsys, name):
+    (tmp_path / "file").write_text("x", "utf-8")
+    (tmp_path / "figures.json").mkdir()
+    assert main(["figure", "table-1", "--out", str(tmp_path / name)]) == 1
+    told = capsys.readouterr().err.strip().splitlines()
+    assert [line for line in told if not line.startswith("[")] == told[-1:]
+    assert str(tmp_path) in told[-1]

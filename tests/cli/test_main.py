@@ -120,3 +120,12 @@ def test_the_file_may_say_how_the_surface_was_measured(spectrum_file, capsys):
     spectrum_file.write_text(noted, encoding="utf-8")
     assert main(["fit", str(spectrum_file), *site, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["specular"] == "included"
+
+
+def test_an_interrupt_is_one_line_and_ends_with_130(monkeypatch, capsys):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("skinviz.view.gallery.catalogue.recipe_of", interrupted)
+    assert main(["figure", "5", "--out", "x"]) == 130
+    assert capsys.readouterr().err == "skinviz: interrupted\n"

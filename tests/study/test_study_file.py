@@ -225,7 +225,7 @@ def test_hands_and_readings_are_found_or_told_missing(folder):
     shape = study.shapes["A"]
     assert (shape.path, shape.unit, shape.raw) == (folder / "hand.ply", "mm", False)
     assert study.gonio == {("C", "inner arm"): folder / "gonio.csv"}
-    missing = [(g.subject, g.file) for g in study.gaps if g.why == "no such file"]
+    missing = [(g.subject, g.file) for g in study.gaps if "no such file" in g.why]
     assert missing == [("B", "raw.conf"), ("B", "none.csv")]
     assert {g.subject for g in study.gaps if g.why == "no record"} == {"D"}
 
@@ -250,12 +250,20 @@ def test_hands_and_readings_are_found_or_told_missing(folder):
             "specular = 'included'\npattern = '/{subject}_{site}.csv'",
             "must be a path in",
         ),
-        ("specular = 'included'\npattern = '{subject}_{site}.csv'", "it lists none"),
+        (
+            "specular = 'included'\npattern = '{subject}_{site}.csv'",
+            "is no file of spectra",
+        ),
+        ("specular = 'included'\nrecord = []", "it lists none"),
         ("specular = 'included'\nrecords = 'a.csv'\nlabels = 'x'", "labels goes with"),
         ("specular = 'included'\nrecord = [1]", r"write \[\[record\]\]"),
         ("specular = 'included'\nrecord = []\nsites = {x = 1}", r"write \[sites.x\]"),
         ("specular = 'included'\nrecord = []\nsubjects.A.name = 'Ann'", "unknown key"),
         ("not toml", "not a TOML file"),
+        ("specular = 0\npattern = '../{subject}_{site}.csv'", "in the study's folder"),
+        (f"specular = 0\npattern = '{'{subject}/' + 9 * '*/'}{{site}}'", "at most 8"),
+        (f"specular = 0\npattern = '{'x' * 999}/{{subject}}{{site}}'", "too long"),
+        ("specular = 0\npattern = 'a/{subject}_{site}'", "no file of spectra"),
     ],
 )
 def test_a_wrong_study_file_is_refused_in_one_line(tmp_path, toml, told):
@@ -310,3 +318,14 @@ def test_the_example_has_the_gap_that_it_says():
     ]
     assert study.spectra.sizes["record"] == 62
     assert set(study.shapes) == {"A"}
+
+
+@pytest.mark.parametrize("name", ["none.ply", "x" * 5000, "empty.ply", "."])
+def test_a_hand_that_is_not_there_is_a_gap(folder, name):
+    (folder / "empty.ply").touch()
+    toml = folder / "study.toml"
+    told = toml.read_text("utf-8")
+    toml.write_text(f'\ufeff{told}[subjects.A]\nmesh = "{name}"\n', "utf-8")
+    study = read_study(folder)
+    assert study.shapes == {}
+    assert [(g.what, g.subject, g.file) for g in study.gaps] == [("missing", "A", name)]

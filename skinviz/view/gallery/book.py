@@ -147,7 +147,7 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
         if content["format"] != _FORMAT:
             raise KeyError(content["format"])
         return {name: dict(own) for name, own in content["figures"].items()}
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, OSError) as error:
         raise DataError(
             f"{path} does not say what figures the folder has; remove it to have all "
             "of them made anew"
