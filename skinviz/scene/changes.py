@@ -59,7 +59,7 @@ def _of_saturation(weights: Weights, change: _Change) -> Weights:
     if low < 0 or high > 1:
         raise ArgumentError(
             f"saturation must stay within 0 and 1; the change makes it "
-            f"{low if low < 0 else high:.4g}"
+            f"{low if low < 0 else high:.8g}"
         )
     return _mixed(weights, _blood(weights), saturation)
 
@@ -172,6 +172,6 @@ def _require_bounds(model: SkinModel, name: str, word: str, weights: Weights) ->
         if not (low >= parameter.lower and high <= parameter.upper):
             wrong = high if low >= parameter.lower else low
             raise ArgumentError(
-                f"{name} {word} makes {parameter.name} {wrong:.4g}; it must be between "
+                f"{name} {word} makes {parameter.name} {wrong:.8g}; it must be between "
                 f"{parameter.lower:g} and {parameter.upper:g}"
             )

@@ -72,9 +72,10 @@ def _place(row: Mapping[str, Any]) -> Point:
         if type(row["vertex"]) is not int:
             raise DataError(f"vertex must be a whole number; got {row['vertex']!r}")
         return int(row["vertex"])
-    if not isinstance(row["at"], list):
-        raise DataError(f"at must be [x, y, z] in mm; got {row['at']!r}")
-    return tuple(row["at"])
+    at = row["at"]
+    if not isinstance(at, list) or any(isinstance(x, list | dict) for x in at):
+        raise DataError(f"at must be [x, y, z] in mm; got {at!r}")
+    return tuple(at)
 
 
 def _values(

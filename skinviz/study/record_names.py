@@ -42,14 +42,7 @@ def listing_of_names(
     read : callable
         Returns the spectra of a file of the folder.
     """
-    if pattern.startswith("/") or ".." in pattern.split("/"):
-        raise DataError(f"pattern {pattern!r} must be a path in the study's folder")
-    name = _Pattern(pattern, "pattern")
-    if name.depth > _DEEPEST:
-        raise DataError(
-            f"pattern {pattern!r} has fields in {name.depth} folders, at most "
-            f"{_DEEPEST} are searched"
-        )
+    name = _path_pattern(pattern)
     inside = None if labels is None else _Pattern(labels, "labels")
     told = name.fields + (() if inside is None else inside.fields)
     for key in ("subject", "site"):
@@ -75,6 +68,19 @@ def listing_of_names(
             passed += [(Entry(own, repeat=0, **known), why) for why in unclear]
     listing = listing_of(rows)
     return Listing(listing.entries, (*listing.passed, *passed))
+
+
+def _path_pattern(pattern: str) -> _Pattern:
+    """Return the pattern of names of files, which must be in the study's folder."""
+    if pattern.startswith("/") or ".." in pattern.split("/"):
+        raise DataError(f"pattern {pattern!r} must be a path in the study's folder")
+    name = _Pattern(pattern, "pattern")
+    if name.depth > _DEEPEST:
+        raise DataError(
+            f"pattern {pattern!r} has fields in {name.depth} folders, at most "
+            f"{_DEEPEST} are searched"
+        )
+    return name
 
 
 def _labelled(
