@@ -62,6 +62,7 @@ _PLACES = {
 _THUMB = {"joint": 0.5, "finger_palm": 0.6, "finger_root": 1.0, "knuckle": 1.05}
 _THUMB_TURN = np.deg2rad(60)  # of its nail about its axis, away from the others'
 _LEAST_FINGER = 0.1  # of the hand's length, from tip to web
+_LEAST_ACROSS = 1e-6  # of 1: a nail looks across its finger
 _OTHERWISE = "give points as vertices or coordinates instead of names"
 _BESIDE = 0.02  # of the hand's length, within which vertices are beside a line
 
@@ -189,7 +190,13 @@ def _nail_side(name: str, hand: Hand, axis: Array) -> Array:
         outwards = -hand.frame.side if hand.side == "right" else hand.frame.side
         back = np.cos(_THUMB_TURN) * back + np.sin(_THUMB_TURN) * outwards
     across = back - (back @ axis) * axis
-    return np.asarray(across / np.linalg.norm(across))
+    length = np.linalg.norm(across)
+    if not length > _LEAST_ACROSS:
+        raise MeshError(
+            f"the {name} points straight along the normal of the hand's back, as on "
+            f"no hand; {_OTHERWISE}"
+        )
+    return np.asarray(across / length)
 
 
 def _outermost(surface: Surface, hand: Hand, place: Array, towards: Array) -> int:

@@ -17,6 +17,8 @@ from skinviz.scene.texture import SkinTexture
 if TYPE_CHECKING:
     import pyvista
 
+_LONG = 10  # digits: no file has so many records, a label may be as long
+
 _SAID = (
     'weights as [w_m, w_h, w_dh], a fit file as "fit.json#2", a site of the archive '
     'as "palm", or changes as { melanin = "x0.4" }'
@@ -90,7 +92,8 @@ def _values(
         raise DataError(f"the point {point!r} in [skin] takes {_SAID}; got {said!r}")
     name, _, record = said.partition("#")
     if name.lower().endswith(".json"):
-        key = int(record) if record.isdecimal() else record or 0
+        is_number = record.isdecimal() and len(record) < _LONG
+        key = int(record) if is_number else record or 0
         other = skin_from_fit_file(folder / name, key)
         if other.model.description != skin.model.description:
             raise DataError(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinviz._files import existing_file
+from skinviz._validate import as_numbers
 from skinviz.errors import DataError
 from skinviz.scene.painted import painted_image, painted_vertices
 from skinviz.scene.scene import Skin
@@ -33,6 +34,7 @@ _SKIN_KEYS = {
     "painted": _MODEL,
     "image": {"weights_at_one"} | _MODEL,
 }
+_NO_FIT = "not a fit file of 'skinviz fit'"
 _SHOWN = 20  # labels of a file that an error lists
 _ELSEWHERE = {"map", "point", "change", "texture"}  # said on top of any skin
 
@@ -148,18 +150,23 @@ def skin_from_fit_file(path: Path, record: int | str = 0) -> Skin:
         name, thickness = content["model"], content["thickness_mm"]
         backing = content["hypodermis"]
     except (ValueError, KeyError, TypeError) as error:
-        raise DataError(f"{file}: not a fit file of 'skinviz fit'") from error
+        raise DataError(f"{file}: {_NO_FIT}") from error
     if not known:
         raise DataError(f"{file}: written as {content['format']!r}; fit the file anew")
+    if not isinstance(fits, list) or not all(isinstance(fit, dict) for fit in fits):
+        raise DataError(f"{file}: {_NO_FIT}")
     record = _record(fits, record, file)
     model = skin_model(name, thickness=thickness, hypodermis=backing, **options)
-    weights = fits[record]["parameters"]
-    values = [weights[p.name]["value"] for p in model.parameters]
+    try:
+        weights = fits[record]["parameters"]
+        values = [weights[p.name]["value"] for p in model.parameters]
+    except (KeyError, TypeError) as error:
+        raise DataError(f"{file}: {_NO_FIT}") from error
     if any(value is None for value in values):
         raise DataError(
             f"{file}: record {record} was refused by the fit; choose another"
         )
-    return Skin(model, np.asarray(values, dtype=np.float64))
+    return Skin(model, as_numbers(values, f"{file}: the parameters of {record}"))
 
 
 def _record(fits: list[dict[str, Any]], record: int | str, file: Path) -> int:

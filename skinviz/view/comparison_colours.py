@@ -17,8 +17,8 @@ from skinviz.view.comparison_levels import (
     shown,
     title_of,
 )
-from skinviz.view.delta_e_matrix import delta_e_matrix, matrix_cells
-from skinviz.view.page import STYLE, Cells, Margins, lay_out
+from skinviz.view.delta_e_matrix import darkest, delta_e_matrix, matrix_cells
+from skinviz.view.page import STYLE, Cells, Margins, Page, lay_out
 from skinviz.view.spectra_panels import ROW, Swatch, srgb_of, swatch_rows
 
 if TYPE_CHECKING:
@@ -35,7 +35,8 @@ def colours_figure(
     """Return each level's colour with its uncertainty, and ΔE00 between levels."""
     import matplotlib as mpl
 
-    strata, levels = comparison.strata, shown(comparison)
+    strata = comparison.strata
+    names = [shortened(level) for level in shown(comparison)]
     most = max(len(drawn(comparison, stratum)) for stratum in strata)
     wide = 2.7
     blocks = [
@@ -47,7 +48,7 @@ def colours_figure(
         )
     ]
     if comparison.colours:
-        blocks.append(matrix_cells(len(strata), [shortened(level) for level in levels]))
+        blocks.append(matrix_cells(len(strata), names))
     words = (
         "Swatches: measured, then fitted: the estimate between both ends of the "
         "95 % that the fit's covariance allows, by Monte Carlo; ± is within which "
@@ -71,16 +72,18 @@ def colours_figure(
             swatch_rows(axes, [_swatch(cell) for cell in cells])
             axes.set_ylim(most, 0)
         if comparison.colours:
-            for stratum, axes in zip(strata, page.panels(1), strict=True):
-                own = [c for c in comparison.colours if c.stratum == stratum]
-                delta_e_matrix(
-                    axes, own, levels, [shortened(level) for level in levels]
-                )
-                axes.set_title(
-                    ", ".join(filter(None, ("ΔE00", title_of(stratum)))),
-                    parse_math=False,
-                )
+            _draw_matrices(page, comparison, names)
     return page.figure
+
+
+def _draw_matrices(page: Page, comparison: Comparison, names: list[str]) -> None:
+    """Draw ΔE00 between levels, a panel a stratum, all in one scale of colour."""
+    top = darkest(comparison.colours)
+    for stratum, axes in zip(comparison.strata, page.panels(1), strict=True):
+        own = [c for c in comparison.colours if c.stratum == stratum]
+        delta_e_matrix(axes, own, shown(comparison), names, top=top)
+        title = ", ".join(filter(None, ("ΔE00", title_of(stratum))))
+        axes.set_title(title, parse_math=False)
 
 
 def _swatch(cell: Cell) -> Swatch:

@@ -32,11 +32,19 @@ def matrix_cells(n: int, names: Sequence[str]) -> Cells:
     )
 
 
+def darkest(differences: Sequence[ColourDifference]) -> float:
+    """Return the largest ΔE00 of any, at least 1."""
+    values = [value for own in differences for value in (own.delta_e, own.fitted)]
+    return float(np.nanmax([1.0, *values]))
+
+
 def delta_e_matrix(
     axes: Axes,
     differences: Sequence[ColourDifference],
     levels: Sequence[str],
     names: Sequence[str],
+    *,
+    top: float,
 ) -> None:
     """Draw ΔE00 of each pair: measured above the diagonal, fitted below it.
 
@@ -48,6 +56,8 @@ def delta_e_matrix(
         Of one stratum.
     levels, names : sequence of str
         The rows, which are the columns too, and what is written beside them.
+    top : float
+        ΔE00 that is drawn darkest, the same in all panels of a figure.
     """
     n = len(levels)
     values = np.full((n, n), np.nan)
@@ -61,7 +71,6 @@ def delta_e_matrix(
             if np.isfinite([own.low, own.high]).all():
                 words[j][i] += f"\n{own.low:.2f}–{own.high:.2f}"
     shown = np.ma.masked_invalid(values)
-    top = max(float(shown.max()) if shown.count() else 1.0, 1.0)
     axes.imshow(shown, cmap="Blues", vmin=0, vmax=1.25 * top, aspect="auto")
     width, _ = inches_of(axes)
     size = fitting_size(["0" * 13], width / n, _LARGEST)

@@ -98,6 +98,13 @@ def test_what_is_no_hand_is_refused(mesh, message):
         landmarks(mesh)
 
 
+def test_a_hand_without_thickness_is_refused():
+    flat = coarse_hand().copy()
+    flat.points[:, 2] = 0.0
+    with pytest.raises(MeshError, match="as on no hand"):
+        landmarks(flat)
+
+
 def test_an_island_beside_the_hand_changes_nothing(found):
     away = np.asarray(coarse_hand().points).mean(axis=0) + np.array([60, 0, 0])
     assert landmarks(joined(coarse_hand(), sphere(3.0, 2, away))) == found

@@ -414,6 +414,26 @@ def test_what_is_wrong_is_said_and_the_file_named(bad_fits, fault):
     assert "\n" not in str(caught.value)
 
 
+BROKEN_FITS = {
+    "a number of fits": {"fits": 3},
+    "a fit that is a number": {"fits": [1]},
+    "no parameters": {"fits": [{"label": "a"}]},
+    "parameters that are a number": {"fits": [{"parameters": 3}]},
+    "parameters of another model": {"fits": [{"parameters": {"a": {"value": 1}}}]},
+    "a parameter without value": {"fits": [{"parameters": {"w_m": {}}}]},
+}
+
+
+@pytest.mark.parametrize("fault", BROKEN_FITS)
+@pytest.mark.parametrize("record", [0, "a"])
+def test_a_fit_file_of_the_wrong_shape_is_refused(folder, fault, record):
+    file = folder / "fit.json"
+    content = json.loads(file.read_text("utf-8"))
+    file.write_text(json.dumps(content | BROKEN_FITS[fault]), "utf-8")
+    with pytest.raises(DataError, match="fit.json"):
+        skin_from_fit_file(file, record)
+
+
 KINDS = {
     "text": ["3", "true", "[1]", "2001-01-01"],
     "number": ["'a'", "true", "[1]"],

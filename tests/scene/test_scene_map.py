@@ -190,6 +190,7 @@ WRONG = {
     "misspelt": ("[[skin.point]]\nvertx = 1\n", "takes at ="),
     "half a vertex": ("[[skin.point]]\nvertex = 1.5\n", "whole number"),
     "no vertex": ("[[skin.point]]\nvertex = 81\n", "none of the mesh's 81"),
+    "place in a list": ("[[skin.point]]\nat = [[0, 0, 0]]\n", "at must be"),
     "place as text": ("[[skin.point]]\nat = 'here'\n", "at must be"),
     "far away": ("[[skin.point]]\nat = [0, 0, 90]\n", "90 mm from the mesh"),
     "twice": ("[[skin.point]]\nvertex = 1\n[[skin.point]]\nvertex = 1\n", "twice"),

@@ -107,6 +107,18 @@ def test_the_matrix_has_measured_above_and_fitted_below(groups):
     assert np.ma.getmaskarray(values).diagonal().all()
 
 
+def test_matrices_of_one_figure_share_their_scale(groups):
+    images = [
+        axes.images[0]
+        for axes in colours_figure(groups).axes
+        if axes.get_title().startswith("ΔE00")
+    ]
+    assert len(images) == 2
+    largest = max(max(c.delta_e, c.fitted) for c in groups.colours)
+    for image in images:
+        assert image.get_clim() == pytest.approx((0, 1.25 * largest))
+
+
 def test_figures_of_many_levels_show_the_first():
     found = compare_study(archive_study("issa", origin="Spain"), "subject")
     assert len(found.levels) > 12

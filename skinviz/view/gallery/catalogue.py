@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from skinviz._files import whole_files
 from skinviz._validate import in_range, one_of
 from skinviz.view.gallery.recipe import PRINT, FigureRecipe, Material, Settings
-from skinviz.view.gallery.text import as_csv
+from skinviz.view.gallery.text import as_csv, wrapped
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -119,9 +119,10 @@ class GalleryFigure:
 
     def _words(self) -> str:
         """Return the caption, under it the table if that is all there is."""
+        words = wrapped(self.caption)
         if self.recipe.tell is None:
-            return self.caption
-        return f"{self.caption}\n{self.recipe.tell(self.material)}"
+            return words
+        return f"{words}\n{self.recipe.tell(self.material)}"
 
 
 def figure(

@@ -1,13 +1,26 @@
-"""Tables as CSV, as aligned text and as Markdown."""
+"""Tables as CSV, as aligned text and as Markdown; paragraphs in lines."""
 
 from __future__ import annotations
 
 import io
 import math
+import textwrap
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+_LINE = 90  # letters of a line
+
+
+def wrapped(words: str) -> str:
+    """Return paragraphs, apart by an empty line, in lines that are easily read."""
+    parts = (
+        textwrap.fill(part, _LINE, break_on_hyphens=False, break_long_words=False)
+        for part in words.split("\n\n")
+    )
+    return "\n\n".join(parts) + "\n"
 
 
 def as_csv(table: pd.DataFrame) -> str:
