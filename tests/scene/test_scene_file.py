@@ -430,7 +430,7 @@ def test_a_fit_file_of_the_wrong_shape_is_refused(folder, fault, record):
     file = folder / "fit.json"
     content = json.loads(file.read_text("utf-8"))
     file.write_text(json.dumps(content | BROKEN_FITS[fault]), "utf-8")
-    with pytest.raises(DataError, match="fit.json"):
+    with pytest.raises(DataError, match=r"fit\.json"):
         skin_from_fit_file(file, record)
 
 
