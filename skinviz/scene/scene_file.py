@@ -16,7 +16,7 @@ from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
 from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
-from skinviz.scene.scene import Scene
+from skinviz.scene.scene import Scene, Skin
 from skinviz.scene.scene_lights import light_of
 from skinviz.scene.scene_skin import skin_of
 from skinviz.spectra.display_file import read_display
@@ -99,21 +99,55 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     """
     file = existing_file(path, DataError)
     try:
+        return scene_from(read_scene_content(file), file.parent)
+    except SkinvizError as error:
+        raise named(error, file) from error
+
+
+def read_scene_content(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return what a scene file says, as TOML has it: its tables and keys are known.
+
+    Raises
+    ------
+    DataError
+        If the file is missing, not TOML, or a table or key is unknown or wrong.
+    """
+    file = existing_file(path, DataError)
+    try:
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise DataError(f"{file}: not a TOML file: {error}") from error
-    try:
-        return _scene(content, file.parent)
-    except SkinvizError as error:
-        told = str(error)
-        kind = DataError if isinstance(error, ArgumentError) else type(error)
-        # Errors of the files that a scene names already name those.
-        raise kind(told if file.name in told else f"{file}: {told}") from error
-
-
-def _scene(content: dict[str, Any], folder: Path) -> Scene:
-    """Return the scene that parsed TOML describes."""
     _require_known(content)
+    return content
+
+
+def named(error: SkinvizError, file: Path) -> SkinvizError:
+    """Return an error of a scene that names its file."""
+    told = str(error)
+    kind = DataError if isinstance(error, ArgumentError) else type(error)
+    # Errors of the files that a scene names already name those.
+    return kind(told if file.name in told else f"{file}: {told}")
+
+
+def scene_from(
+    content: dict[str, Any], folder: Path, skin: Skin | None = None
+) -> Scene:
+    """Return the scene that a scene file's content describes.
+
+    Parameters
+    ----------
+    content : dict
+        From :func:`read_scene_content`.
+    folder : Path
+        To which its paths are relative.
+    skin : Skin, optional
+        In place of that of ``[skin]``.
+
+    Raises
+    ------
+    SkinvizError
+        As :func:`read_scene`, the file not named.
+    """
     mesh_table = content.get("mesh", {})
     if "path" not in mesh_table:
         raise DataError('[mesh] needs path = "hand.ply"')
@@ -128,7 +162,7 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
     frame = None if by_vectors else hand_frame(mesh)
     return Scene(
         mesh=mesh,
-        skin=skin_of(content.get("skin", {}), folder),
+        skin=skin or skin_of(content.get("skin", {}), folder),
         surface=_surface(content.get("surface", {})),
         lights=tuple(
             light_of(light, frame, light_angle, folder) for light in lights_table

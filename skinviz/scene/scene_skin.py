@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from skinviz.skin.fitted import FITS_FORMAT
 from skinviz.skin.models import skin_model
 from skinviz.skin.report import FIT_FORMAT
 from skinviz.spectra.archives import load_archive
+
+if TYPE_CHECKING:
+    import xarray
 
 _TISSUE = {"site", "thickness", "coefficients", "free"}
 _SKIN_KEYS = {
@@ -56,26 +59,53 @@ def skin_of(table: dict[str, Any], folder: Path) -> Skin:
 
 def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> Skin:
     """Fit the spectrum of one archive subject and site."""
-    archive = load_archive(table["archive"])
-    chosen = np.ones(archive.sizes["record"], dtype=bool)
     for key in ("origin", "subject", "site"):
         if key not in table:
             raise DataError(f"[skin] with archive needs {key} = ...")
-        chosen &= archive[key].values == str(table[key])
+    measured = archive_spectrum(
+        load_archive(table["archive"]),
+        table["archive"],
+        {key: str(table[key]) for key in ("origin", "subject", "site")},
+    )
+    if "thickness" in options:  # then the site only names the spectrum
+        options = {key: options[key] for key in options if key != "site"}
+    specular = table.get("specular", measured.attrs["specular"])
+    model = skin_model(name, specular=specular, **options)
+    return Skin.from_fit(fit_skin(measured.values, measured.wavelength.values, model))
+
+
+def archive_spectrum(
+    archive: xarray.Dataset, name: str, who: dict[str, str]
+) -> xarray.DataArray:
+    """Return the mean spectrum (wavelength,) of one subject and site of an archive.
+
+    Parameters
+    ----------
+    archive : xarray.Dataset
+        From :func:`load_archive`.
+    name : str
+        Its name, for messages.
+    who : dict of str to str
+        ``origin``, ``subject`` and ``site``.
+
+    Raises
+    ------
+    DataError
+        If it has no such spectrum.
+    """
+    chosen = np.ones(archive.sizes["record"], dtype=bool)
+    for key, value in who.items():
+        chosen &= archive[key].values == value
     if not chosen.any():
         sites = sorted(set(archive["site"].values))
         raise DataError(
-            f"archive {table['archive']!r} has no spectrum of subject "
-            f"{table['subject']!r} of {table['origin']!r} at {table['site']!r}; its "
+            f"archive {name!r} has no spectrum of subject "
+            f"{who['subject']!r} of {who['origin']!r} at {who['site']!r}; its "
             f"sites are {', '.join(sites)}, its origins "
             f"{', '.join(sorted(set(archive['origin'].values)))}"
         )
-    if "thickness" in options:  # then the site only names the spectrum
-        options = {key: options[key] for key in options if key != "site"}
-    spectrum = archive.reflectance.values[chosen].mean(axis=0)
-    specular = table.get("specular", archive.attrs["specular"])
-    model = skin_model(name, specular=specular, **options)
-    return Skin.from_fit(fit_skin(spectrum, archive.wavelength.values, model))
+    mean = archive.reflectance.isel(record=np.flatnonzero(chosen))
+    return mean.mean("record", skipna=False).assign_attrs(archive.attrs)
 
 
 def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
