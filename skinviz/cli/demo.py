@@ -110,8 +110,7 @@ def demo(
         hands = hands_figure(
             pictures,
             hand,
-            mesh.points[point],
-            vertex_spectrum(scene, point),
+            [(mesh.points[point], vertex_spectrum(scene, point))],
             "Two-layer Kubelka–Munk skin, Torrance–Sparrow surface, 61 wavelengths "
             f"through CIE XYZ.  Spectrum: {credit}.  Hand: MakeHuman, CC0, simulated "
             "range scan.",

@@ -18,6 +18,7 @@ from skinviz.cli.info import info
 from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.cli.tradeoff import tradeoff
+from skinviz.cli.view import view
 from skinviz.errors import SkinvizError
 
 VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
@@ -27,6 +28,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "fit": fit,
     "render": render,
     "tradeoff": tradeoff,
+    "view": view,
     "archive": archive,
     "info": info,
 }

@@ -93,8 +93,12 @@ class HeldView:
         return shown.reshape(self.size[1], self.size[0], 3)
 
     def point(self, column: float, row: float) -> Array | None:
-        """Return the point [mm] (3,) seen at a place of the picture, if any is."""
-        hit = _hit(self.sight, column, row)
+        """Return the point [mm] (3,) that the ray of a pixel hits, if any.
+
+        ``column`` and ``row`` are of any place in the pixel.
+        """
+        across, along = cells(1)[0]
+        hit = _hit(self.sight, np.floor(column) + across, np.floor(row) + along)
         return None if hit is None else _in_mm(self.sight.geometry, hit)
 
 

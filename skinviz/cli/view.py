@@ -1,0 +1,54 @@
+"""``skinviz view``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from skinviz.cli.arguments import Whole
+from skinviz.cli.output import say
+
+
+def view(
+    scene: Path | None = None,
+    /,
+    *,
+    host: str = "127.0.0.1",
+    port: Whole = 0,
+    no_browser: bool = False,
+    native: bool = False,
+) -> None:
+    """Turn a hand, its light and its skin by hand, in the browser.
+
+    Every colour is computed from spectra. The page shows the spectra of points that
+    are clicked, the people of the archive, and up to four hands side by side. The
+    server ends with Ctrl-C.
+
+    Example: skinviz view scene.toml
+
+    Parameters
+    ----------
+    scene
+        Scene file (TOML). Without it the shipped hand is shown.
+    host
+        Address to listen on. The usual one can be reached from this machine alone,
+        as it should be: from elsewhere, use an SSH tunnel to it.
+    port
+        Port to listen on; 0 is any that is free.
+    no_browser
+        Only print the link. It holds a secret of this run: keep it to yourself.
+    native
+        Open a window of its own instead of a page in the browser.
+    """
+    import asyncio
+
+    from skinviz.view.viewer.opened import open_file
+
+    opened = open_file(scene)
+    if native:
+        from skinviz.view.viewer.native import show_window
+
+        show_window(opened)
+        return
+    from skinviz.view.viewer.server import serve
+
+    asyncio.run(serve(opened, host=host, port=port, browser=not no_browser, say=say))

@@ -1,0 +1,284 @@
+"""The viewer at work: what browsers ask for, and the pictures they get.
+
+Requests only change the state; one task draws the newest, so that a slider that
+moves faster than pictures are made is never behind.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import logging
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, TypeVar
+
+from skinviz.errors import SkinvizError
+from skinviz.view.viewer import asked
+from skinviz.view.viewer.address import to_query
+from skinviz.view.viewer.history import History
+from skinviz.view.viewer.opened import Opened
+from skinviz.view.viewer.pictures import Darkroom, Shown, jpeg, png
+from skinviz.view.viewer.samples import Sample
+from skinviz.view.viewer.saving import command, save_scene, save_view_figure
+from skinviz.view.viewer.state import ViewState
+from skinviz.view.viewer.told import plan_told, settings_of, told_of
+
+_LOG = logging.getLogger(__name__)
+
+Result = TypeVar("Result")
+
+_QUICK_PIXELS = 600_000  # of pictures of what moves
+_STILL_AFTER = 0.15  # s without a change
+_BUSY_AFTER = 0.3  # s of work, after which the page says so
+
+
+class Viewer:
+    """One view, shared by all browsers that look at it.
+
+    Parameters
+    ----------
+    opened : Opened
+        What there is to show.
+    server : trame_server.Server
+        By which browsers are told.
+    """
+
+    def __init__(self, opened: Opened, server: Any) -> None:
+        """Take what is opened and who asks for it."""
+        self.opened = opened
+        self.history = History(opened.initial)
+        self.shown: Shown | None = None
+        self.size = (640, 640)
+        self._server = server
+        self._darkroom = Darkroom(opened)
+        # Quick pictures do not wait for a still one that has become old.
+        self._quick = ThreadPoolExecutor(1, "skinviz-quick")
+        self._slow = ThreadPoolExecutor(1, "skinviz-slow")
+        self._wake = asyncio.Event()
+        self._drawing: asyncio.Task[None] | None = None
+        self._version = 0
+        asked.listen(self, server)
+
+    @property
+    def state(self) -> ViewState:
+        """What is to be shown."""
+        return self.history.present
+
+    def sample(self) -> Sample:
+        """Return whose skin the active hand has, the scene's own before it is known."""
+        shown, look = self.shown, self.state.look
+        if shown is not None:
+            for sample, own in zip(shown.samples, shown.state.looks, strict=True):
+                if (own.person, own.site) == (look.person, look.site):
+                    return sample
+        return self.opened.own
+
+    def begin(self) -> None:
+        """Start to draw."""
+        self._drawing = asyncio.create_task(self._draw())
+        self._wake.set()
+
+    async def close(self) -> None:
+        """Stop drawing."""
+        if self._drawing is not None:
+            self._drawing.cancel()
+            await asyncio.gather(self._drawing, return_exceptions=True)
+        self._quick.shutdown(wait=False, cancel_futures=True)
+        self._slow.shutdown(wait=False, cancel_futures=True)
+
+    def change(self, make: Callable[[ViewState], ViewState]) -> None:
+        """Show what is made of the present state; say why where that cannot be."""
+        try:
+            changed = make(self.state)
+        except SkinvizError as error:
+            self.notice(str(error))
+            return
+        self._turn_to(self.history.changed(changed, time.monotonic()))
+
+    def undo(self) -> None:
+        """Go one step back."""
+        self._turn_to(self.history.undone())
+
+    def redo(self) -> None:
+        """Take a step again."""
+        self._turn_to(self.history.redone())
+
+    def resize(self, width: int, height: int) -> None:
+        """Draw pictures of another size. [pixels]"""
+        if (width, height) != self.size:
+            self.size = (width, height)
+            self._wake.set()
+
+    def list_people(self, group: str) -> None:
+        """Offer the people of a group."""
+        samples = self.opened.samples
+        with self._server.state as told:
+            told.groups = samples.groups()
+            told.people = samples.people(group)
+
+    def own_site(self) -> str:
+        """Return the site of the scene's own skin, as far as it is known."""
+        return str(self.opened.own.table.get("site", ""))
+
+    def browsers_changed(self, n: int) -> None:
+        """Tell how many browsers share the view."""
+        with self._server.state as told:
+            told.browsers = n
+
+    def notice(self, text: str, *, bad: bool = True) -> None:
+        """Show a line of text on the page."""
+        with self._server.state as told:
+            self._version += 1  # the same words twice are two notices
+            told.notice = {"text": text, "bad": bad, "number": self._version}
+
+    async def save_scene(self, name: str) -> str | None:
+        """Write the active hand's scene; return the command that draws it anew."""
+        shown = self.shown
+        if shown is None:
+            return None
+        file = await self._try(partial(save_scene, self.opened, shown, name))
+        if file is None:
+            return None
+        self.notice(f"saved {file}", bad=False)
+        return command(file.name, shown.state)
+
+    async def save_figure(self, name: str) -> None:
+        """Write the figure of what is shown."""
+        if self.shown is None:
+            return
+        work = partial(save_view_figure, self.opened, self.shown, name)
+        file = await self._try(work)
+        if file is not None:
+            self.notice(f"saved {file}", bad=False)
+
+    def _turn_to(self, history: History) -> None:
+        """Show the present of a history."""
+        if history.present != self.state:
+            self._wake.set()
+        self.history = history
+
+    async def _try(self, work: Callable[[], Result]) -> Result | None:
+        """Do slow work beside the pictures; say why where it cannot be done."""
+        try:
+            return await self._busily(self._slow, work)
+        except SkinvizError as error:
+            self.notice(str(error))
+            return None
+
+    async def _busily(
+        self, pool: ThreadPoolExecutor, work: Callable[[], Result]
+    ) -> Result:
+        """Do work in a thread; the page says so if it takes long."""
+        future = asyncio.get_running_loop().run_in_executor(pool, work)
+        done, _ = await asyncio.wait([future], timeout=_BUSY_AFTER)
+        if not done:
+            self._tell(busy=True)
+        try:
+            return await future
+        finally:
+            if not done:
+                self._tell(busy=False)
+
+    async def _draw(self) -> None:
+        """Draw the newest state whenever there is one, and a still one after it."""
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            state = self.state
+            try:
+                await self._draw_state(state)
+            except SkinvizError as error:
+                self.notice(str(error))
+                self._return_to_shown(state)
+            except Exception as error:  # a fault of ours must not end the view
+                _LOG.exception("drawing failed")
+                self.notice(f"the viewer failed: {error!r}; this is a fault of skinviz")
+                self._return_to_shown(state)
+
+    async def _draw_state(self, state: ViewState) -> None:
+        """Draw a state, quickly at first."""
+        work = partial(self._shown, state)
+        self.shown, told = await self._busily(self._quick, work)
+        if self.state is state:  # or what is being set would jump back
+            told |= settings_of(self.shown)
+        self._tell(still=False, **told)
+        if await self._is_quiet():
+            await self._draw_still(state)
+
+    async def _is_quiet(self) -> bool:
+        """Return whether nothing changes for a moment."""
+        try:
+            await asyncio.wait_for(self._wake.wait(), _STILL_AFTER)
+        except TimeoutError:
+            return True
+        return False
+
+    async def _draw_still(self, state: ViewState) -> None:
+        """Show the picture within the tolerance, unless it has become old."""
+        work = asyncio.ensure_future(
+            self._busily(self._slow, partial(self._still, state))
+        )
+        woken = asyncio.ensure_future(self._wake.wait())
+        await asyncio.wait([work, woken], return_when=asyncio.FIRST_COMPLETED)
+        woken.cancel()
+        if not work.done():
+            work.add_done_callback(_forgotten)
+            return
+        self._tell(still=True, **work.result())
+
+    def _shown(self, state: ViewState) -> tuple[Shown, dict[str, Any]]:
+        """Return a state's quick picture and all that is told with it."""
+        started = time.perf_counter()
+        shown = self._darkroom.quick(state, _at_most(self.size, _QUICK_PIXELS))
+        told = told_of(shown, self.opened.samples)
+        picture = _link("jpeg", jpeg(shown.picture))
+        height, width, _ = shown.picture.shape
+        return shown, {
+            **told,
+            "picture": picture,
+            "aspect": f"{width} / {height}",
+            "query": to_query(state, self.opened.initial),
+            "quick_ms": round(1e3 * (time.perf_counter() - started), 1),
+        }
+
+    def _still(self, state: ViewState) -> dict[str, Any]:
+        """Return a state's still picture and its plan."""
+        still = self._darkroom.still(state, self.size)
+        return {
+            "picture": _link("png", png(still.picture)),
+            **plan_told(still, state.tolerance),
+        }
+
+    def _return_to_shown(self, failed: ViewState) -> None:
+        """Go back to what could be shown, if nobody has gone elsewhere."""
+        if self.shown is not None and self.state == failed:
+            self.history = self.history.undone()
+            if self.state == self.shown.state:
+                self._tell(**settings_of(self.shown))
+            else:
+                self._wake.set()
+
+    def _tell(self, **told: Any) -> None:
+        """Set variables of the page."""
+        with self._server.state as variables:
+            variables.update(told)
+
+
+def _at_most(size: tuple[int, int], pixels: int) -> tuple[int, int]:
+    """Return a size of the same shape with no more pixels."""
+    scale = min(1.0, (pixels / (size[0] * size[1])) ** 0.5)
+    return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
+
+
+def _link(kind: str, content: bytes) -> str:
+    """Return a picture's file as a link that holds it."""
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _forgotten(work: asyncio.Future[Any]) -> None:
+    """Take note of a result that nobody waits for any more."""
+    if not work.cancelled():
+        work.exception()

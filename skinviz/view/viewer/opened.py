@@ -1,0 +1,214 @@
+"""What is opened once and stays: the mesh, the scene file, the people to choose from."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.errors import MeshError, SkinvizError
+from skinviz.rendering.geometry import Geometry, geometry_of
+from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
+from skinviz.scene.hand import HandFrame, hand_frame
+from skinviz.scene.scene import Scene, Skin
+from skinviz.scene.scene_file import named, read_scene_content, scene_from
+from skinviz.scene.scene_skin import skin_of
+from skinviz.spectra.archives import load_archive
+from skinviz.surface.models import surface_parameters
+from skinviz.surface.surface import Surface
+from skinviz.view.viewer.samples import ArchiveSamples, Sample, Samples
+from skinviz.view.viewer.state import ViewState
+from skinviz.view.viewer.turning import angles_of, view_of
+
+Array = NDArray[np.float64]
+
+WIDTHS = {"torrance-sparrow": "gamma", "cook-torrance": "roughness", "phong": "exponent"}
+"""What says how wide each surface's lobe is."""
+
+_ARCHIVE = "issa"  # whose people are offered where a scene names none
+_DEMO = {
+    "skin": {
+        "archive": _ARCHIVE,
+        "origin": "China",
+        "subject": "186",
+        "site": "back of hand",
+    }
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """What the viewer was opened with.
+
+    Attributes
+    ----------
+    name : str
+        For people to read.
+    scene : Scene
+        As it was given.
+    geometry : Geometry
+        Of its mesh.
+    frame : HandFrame
+        From which angles count.
+    own : Sample
+        The scene's own skin.
+    samples : Samples
+        The people to choose from.
+    folder : Path
+        Where files are written, and nowhere else.
+    content : dict or None
+        What the scene's file says; None where there is no file.
+    initial : ViewState
+        What is shown first.
+    """
+
+    name: str
+    scene: Scene
+    geometry: Geometry
+    frame: HandFrame
+    own: Sample
+    samples: Samples
+    folder: Path
+    content: dict[str, Any] | None
+    initial: ViewState
+
+
+def open_file(path: Path | None) -> Opened:
+    """Open a scene file, or the shipped hand.
+
+    Raises
+    ------
+    SkinvizError
+        As :func:`skinviz.read_scene`.
+    """
+    if path is None:
+        mesh = {"path": str(shipped_mesh(TRUE_SHAPE)), "unit": "m"}
+        return _from_content("shipped hand", {"mesh": mesh, **_DEMO}, Path.cwd())
+    content = read_scene_content(path)
+    try:
+        return _from_content(path.name, content, path.parent.resolve())
+    except SkinvizError as error:
+        raise named(error, path) from error
+
+
+def open_scene(scene: Scene) -> Opened:
+    """Open a scene that was made in Python."""
+    own = Sample("the scene's own skin", scene.skin, None, None, None, {})
+    samples = ArchiveSamples(_ARCHIVE, load_archive(_ARCHIVE), {})
+    return _opened("scene", scene, own, samples, Path.cwd(), None)
+
+
+def _from_content(name: str, content: dict[str, Any], folder: Path) -> Opened:
+    """Open what a scene file says."""
+    table = content.get("skin", {})
+    archive = table.get("archive", _ARCHIVE)
+    options = {key: table[key] for key in _OPTIONS if key in table}
+    if "archive" not in table:
+        options = {}
+    samples = ArchiveSamples(archive, load_archive(archive), options)
+    own = _own(table, folder, samples)
+    scene = scene_from(content, folder, own.skin)
+    return _opened(name, scene, own, samples, folder, content)
+
+
+_OPTIONS = ("model", "specular", "thickness", "coefficients", "free")
+
+
+def _own(table: dict[str, Any], folder: Path, samples: ArchiveSamples) -> Sample:
+    """Return the skin of a scene file, with what is known of it."""
+    if {"archive", "origin", "subject", "site"} <= table.keys():
+        person = f"{table['origin']}/{table['subject']}"
+        found = samples.sample(person, str(table["site"]))
+        return Sample(
+            *(found.name, found.skin, found.fit, found.measured, found.interval),
+            table,
+        )
+    skin = skin_of(table, folder)
+    interval = _interval(folder / table["fit"], table) if "fit" in table else None
+    return Sample("the scene's own skin", skin, None, None, interval, table)
+
+
+def _interval(file: Path, table: dict[str, Any]) -> Array | None:
+    """Return the intervals (p, 2) that a fit file holds, None where one is missing."""
+    fits = json.loads(file.read_text(encoding="utf-8"))["fits"]
+    own = fits[table.get("record", 0)]["parameters"].values()
+    pairs = [(one.get("lower"), one.get("upper")) for one in own]
+    if any(value is None for pair in pairs for value in pair):
+        return None
+    return np.array(pairs, dtype=np.float64)
+
+
+def _opened(
+    name: str,
+    scene: Scene,
+    own: Sample,
+    samples: Samples,
+    folder: Path,
+    content: dict[str, Any] | None,
+) -> Opened:
+    """Return what is opened, with the state that shows it as it is."""
+    frame, surface = _frame(scene), scene.surface
+    light = scene.lights[0].homogeneous
+    geometry = geometry_of(scene.mesh)
+    to_light = light[:3] - light[3] * centroid(geometry)
+    initial = ViewState(
+        light=angles_of(frame, to_light / np.linalg.norm(to_light)),
+        view=view_of(frame, scene.camera.direction, scene.camera.up),
+        surface=type(surface).name,
+        width=width_of(surface),
+        index=index_of(surface),
+        specular_scale=float(getattr(surface, "specular_scale", 1.0)),
+        exposure=scene.exposure,
+        white=scene.white,
+    )
+    return Opened(
+        *(name, scene, geometry, frame, own, samples, folder, content, initial)
+    )
+
+
+def centroid(geometry: Geometry) -> Array:
+    """Return the mean of the surface (3,). [mm]"""
+    return np.asarray(geometry.centre + geometry.scale * geometry.centroid)
+
+
+def width_of(surface: Surface) -> float:
+    """Return how wide a surface's lobe is, in its own measure."""
+    return float(getattr(surface, WIDTHS.get(type(surface).name, ""), 0.0))
+
+
+def index_of(surface: Surface) -> str:
+    """Return a surface's refractive index, or the name of its dispersion."""
+    n = surface.n
+    return f"{n:g}" if isinstance(n, float | int) else n.name
+
+
+def has(surface: str, parameter: str) -> bool:
+    """Return whether a surface model has a parameter."""
+    return parameter in surface_parameters(surface)
+
+
+def _frame(scene: Scene) -> HandFrame:
+    """Return the hand's directions, or the camera's where it is no hand."""
+    try:
+        return hand_frame(scene.mesh)
+    except MeshError:
+        back, up = scene.camera.direction, scene.camera.up
+        return HandFrame(back, up, np.cross(up, back))
+
+
+def as_shown(sample: Sample, weights: tuple[float, ...]) -> Skin:
+    """Return skin with other weights: maps are scaled to have them as their means."""
+    skin = sample.skin
+    if not weights:
+        return skin
+    wanted = np.array(weights, dtype=np.float64)
+    if skin.values.ndim == 1:
+        return Skin(skin.model, wanted)
+    mean = skin.values.mean(axis=0)
+    # A pigment that is nowhere is laid on evenly.
+    scaled = skin.values * (wanted / np.where(mean == 0, 1.0, mean))
+    return Skin(skin.model, np.where(mean == 0, wanted, scaled))

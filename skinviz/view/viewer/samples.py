@@ -1,0 +1,147 @@
+"""Whose skin can be shown: measured people and their fits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinviz.scene.scene import Skin
+from skinviz.scene.scene_skin import archive_spectrum
+from skinviz.skin.fit import fit_skin
+from skinviz.skin.models import skin_model
+from skinviz.skin.skin_fit import SkinFit
+from skinviz.spectra.archive_selection import people
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+ANY_GROUP = ""
+"""The group of all people."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Skin that can be shown, with what is known of it.
+
+    Attributes
+    ----------
+    name : str
+        For people to read.
+    skin : Skin
+        The model and its parameters.
+    fit : SkinFit or None
+        Where they were fitted here.
+    measured : (n,) ndarray or None
+        The spectrum, on the fit's wavelengths. [1]
+    interval : (p, 2) ndarray or None
+        Of the parameters, 95 %, where it is known.
+    table : dict
+        What a scene file's ``[skin]`` says of it.
+    """
+
+    name: str
+    skin: Skin
+    fit: SkinFit | None
+    measured: Array | None
+    interval: Array | None
+    table: dict[str, Any]
+
+
+class Samples(Protocol):
+    """Measured people, to choose from."""
+
+    name: str
+
+    def groups(self) -> list[str]:
+        """Return the groups of people that there are."""
+        ...
+
+    def people(self, group: str) -> list[str]:
+        """Return the people of a group, or of all."""
+        ...
+
+    def sites(self, person: str) -> list[str]:
+        """Return where a person was measured."""
+        ...
+
+    def sample(self, person: str, site: str) -> Sample:
+        """Return a person's skin at a site."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class ArchiveSamples:
+    """The people of an archive.
+
+    Attributes
+    ----------
+    name : str
+        Of the archive.
+    archive : xarray.Dataset
+        From :func:`load_archive`.
+    options : dict
+        What a scene file's ``[skin]`` says of the model.
+    """
+
+    name: str
+    archive: xarray.Dataset
+    options: dict[str, Any]
+
+    @cached_property
+    def _people(self) -> NDArray[np.str_]:
+        """The person of each record."""
+        return people(self.archive)
+
+    def groups(self) -> list[str]:
+        """Return the groups of people that there are."""
+        return sorted({str(group) for group in self.archive["group"].values if group})
+
+    def people(self, group: str) -> list[str]:
+        """Return the people of a group, or of all, in the archive's order."""
+        names = self._people
+        if group != ANY_GROUP:
+            names = names[self.archive["group"].values == group]
+        return [str(name) for name in dict.fromkeys(names.tolist())]
+
+    def sites(self, person: str) -> list[str]:
+        """Return where a person was measured."""
+        own = self._people == person
+        return sorted({str(site) for site in self.archive["site"].values[own]})
+
+    def sample(self, person: str, site: str) -> Sample:
+        """Fit a person's spectrum at a site.
+
+        Raises
+        ------
+        SkinvizError
+            If there is none, or it cannot be fitted.
+        """
+        origin, _, subject = person.rpartition("/")
+        who = {"origin": origin, "subject": subject, "site": site}
+        measured = archive_spectrum(self.archive, self.name, who)
+        options = {key: self.options[key] for key in _MODEL if key in self.options}
+        if "thickness" not in options:
+            options["site"] = site
+        specular = self.options.get("specular", measured.attrs["specular"])
+        name = self.options.get("model", "two-layer")
+        model = skin_model(name, specular=specular, **options)
+        fit = fit_skin(measured.values, measured.wavelength.values, model)
+        table = {**self.options, "archive": self.name, **who}
+        inside = np.isin(measured.wavelength.values, fit.wavelengths)
+        return Sample(
+            f"{person} {site}",
+            Skin.from_fit(fit),
+            fit,
+            measured.values[inside],
+            fit.interval,
+            table,
+        )
+
+
+_MODEL = ("thickness", "coefficients", "free")

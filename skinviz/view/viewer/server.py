@@ -1,0 +1,166 @@
+"""The viewer's server: one process, one view, on this machine unless told otherwise."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import secrets
+import signal
+import socket
+import webbrowser
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from skinviz._validate import in_range
+from skinviz.errors import SkinvizError
+from skinviz.view.viewer.app import Viewer
+from skinviz.view.viewer.guard import LARGEST_MESSAGE, LOOPBACK, Door, middleware
+from skinviz.view.viewer.opened import Opened
+from skinviz.view.viewer.page import build_page
+
+HOST = "127.0.0.1"
+"""This machine alone."""
+
+_WEB = Path(__file__).with_name("web")
+_SECRET_BYTES = 32
+
+
+@dataclass(frozen=True, eq=False)
+class Running:
+    """A server that answers.
+
+    Attributes
+    ----------
+    viewer : Viewer
+        What it shows.
+    url : str
+        Where, with the secret.
+    """
+
+    viewer: Viewer
+    url: str
+    _server: Any
+    _task: asyncio.Task[Any]
+
+    async def stop(self) -> None:
+        """Close the connections and end."""
+        await self.viewer.close()
+        await self._server.stop()
+        await self._task
+
+
+async def start(
+    opened: Opened, *, host: str = HOST, port: int = 0, framed: bool = False
+) -> Running:
+    """Start to serve in the running event loop.
+
+    Parameters
+    ----------
+    opened : Opened
+        What there is to show.
+    host : str
+        Address to listen on.
+    port : int
+        0: any that is free.
+    framed : bool
+        Whether pages of this machine may show it in a frame, as notebooks do.
+
+    Raises
+    ------
+    SkinvizError
+        If the address cannot be listened on.
+    """
+    from trame.app import get_server
+
+    _require_free(host, int(in_range(port, 0, 65535, "port")))
+    for name in ("wslink", "aiohttp.server", "trame_server"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # errors go to their client
+    secret = secrets.token_urlsafe(_SECRET_BYTES)
+    server = get_server(
+        f"skinviz-{secrets.token_hex(8)}",
+        client_type="vue3",
+        ws_max_msg_size=LARGEST_MESSAGE,
+    )
+    server.enable_module(
+        {
+            "serve": {"skinviz": str(_WEB)},
+            "scripts": ["skinviz/viewer.js"],
+            "styles": ["skinviz/viewer.css"],
+        }
+    )
+    viewer = Viewer(opened, server)
+    build_page(server, opened)
+    door = Door(secret, viewer.browsers_changed)
+    server.add_protocol_to_configure(lambda root: root.registerLinkProtocol(door))
+
+    def bind(bound: Any) -> None:
+        bound.app.middlewares.append(middleware(secret, host, framed=framed))
+        door.stand_at(bound)
+
+    server.controller.on_server_bind.add(bind)
+    _without_command_line(server, host, int(port), secret)
+    task = server.start(
+        exec_mode="task",
+        thread=True,
+        open_browser=False,
+        show_connection_info=False,
+        disable_logging=True,
+        backend="aiohttp",
+        timeout=0,
+    )
+    await server.ready
+    viewer.begin()
+    shown = f"[{host}]" if ":" in host else host
+    query = urlencode({"secret": secret})
+    return Running(viewer, f"http://{shown}:{server.port}/?{query}", server, task)
+
+
+async def serve(
+    opened: Opened,
+    *,
+    host: str,
+    port: int,
+    browser: bool,
+    say: Callable[[str], None],
+) -> None:
+    """Serve until interrupted."""
+    ended = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, ended.set)
+    running = await start(opened, host=host, port=port)
+    if host not in LOOPBACK:
+        say(
+            f"warning: listening on {host}: whoever has the link can steer the viewer, "
+            "and it is not encrypted; prefer 'ssh -L' to this machine's 127.0.0.1"
+        )
+    say(f"viewer at {running.url}")
+    say("press Ctrl-C to end")
+    if browser:
+        await asyncio.to_thread(webbrowser.open, running.url)
+    await ended.wait()
+    await running.stop()
+    say("viewer ended")
+
+
+def _without_command_line(server: Any, host: str, port: int, secret: str) -> None:
+    """Give trame its options outright; it would read those of our command line."""
+    words = ["--host", host, "--port", str(port), f"--authKey={secret}"]
+    words += ["--no-ws-compress", "--server", "--timeout", "0"]
+    options, _ = server.cli.parse_known_args(words)
+    server.cli.parse_known_args = lambda *_: (options, [])
+
+
+def _require_free(host: str, port: int) -> None:
+    """Refuse an address that cannot be listened on, before anything is started."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        socket.create_server((host, port), family=family).close()
+    except OSError as error:
+        raise SkinvizError(
+            f"cannot listen on {host} port {port}: {error.strerror}; choose another "
+            "with --port, or leave it out for one that is free"
+        ) from error
