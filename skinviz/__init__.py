@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from skinviz.surface.models import surface_model, surface_models
     from skinviz.surface.phong import Phong
     from skinviz.surface.torrance_sparrow import TorranceSparrow
+    from skinviz.view.viewer.show import show
 
 # Loaded when first used, so that ``import skinviz`` costs next to nothing.
 _HOME = {
@@ -124,6 +125,7 @@ _HOME = {
     "surface_model": "surface.models",
     "surface_models": "surface.models",
     "TorranceSparrow": "surface.torrance_sparrow",
+    "show": "view.viewer.show",
 }
 
 __all__ = ["__version__", *sorted(_HOME)]  # noqa: PLE0604 - names are in _HOME

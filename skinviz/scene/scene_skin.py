@@ -104,8 +104,8 @@ def archive_spectrum(
             f"sites are {', '.join(sites)}, its origins "
             f"{', '.join(sorted(set(archive['origin'].values)))}"
         )
-    mean = archive.reflectance.isel(record=np.flatnonzero(chosen))
-    return mean.mean("record", skipna=False).assign_attrs(archive.attrs)
+    own: xarray.DataArray = archive.reflectance.isel(record=np.flatnonzero(chosen))
+    return own.mean("record", skipna=False).assign_attrs(archive.attrs)
 
 
 def skin_from_fit_file(path: Path, record: int = 0) -> Skin:

@@ -201,9 +201,10 @@ class Viewer:
     async def _draw_state(self, state: ViewState) -> None:
         """Draw a state, quickly at first."""
         work = partial(self._shown, state)
-        self.shown, told = await self._busily(self._quick, work)
+        shown, told = await self._busily(self._quick, work)
+        self.shown = shown
         if self.state is state:  # or what is being set would jump back
-            told |= settings_of(self.shown)
+            told |= settings_of(shown)
         self._tell(still=False, **told)
         if await self._is_quiet():
             await self._draw_still(state)

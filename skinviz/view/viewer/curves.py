@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import SkinvizError
 from skinviz.scene.scene import Scene, Skin
-from skinviz.skin.kubelka_munk import kubelka_munk_layer
+from skinviz.skin.two_layer import TwoLayer
 from skinviz.view.panels import spectral_colours
 from skinviz.view.viewer.pictures import Shown
 from skinviz.view.viewer.readings import Reading
@@ -25,7 +25,7 @@ VISIBLE = (400.0, 700.0)
 """What the wavelength axis shows. [nm]"""
 
 _MEASURED, _FITTED, _OTHER = "#7f8c8d", "#d1495b", "#3a86c8"
-_DERMIS, _EPIDERMIS = "#e07a3f", "#9a6b4f"
+_LAYERS, _LAYER_COLOURS = ("R<sub>e</sub>", "R<sub>d</sub>"), ("#9a6b4f", "#e07a3f")
 _POINTS = ("#d1495b", "#3a86c8")
 _STRIP_STEPS = 60
 _STRIP_PIXELS = 7.0
@@ -53,8 +53,10 @@ def reflectance_chart(shown: Shown) -> Chart:
     measured = skin.model.measured(skin.values, wavelengths)
     name = "set" if state.look.weights or sample.fit is None else "fitted"
     traces.append(_trace(name, wavelengths, measured, _FITTED))
-    for label, values, colour in layers(skin, wavelengths):
-        traces.append(_trace(label, wavelengths, values, colour, dash="dot"))
+    if isinstance(skin.model, TwoLayer):
+        parts = skin.model.layers(skin.values, wavelengths)
+        for label, values, colour in zip(_LAYERS, parts, _LAYER_COLOURS, strict=True):
+            traces.append(_trace(label, wavelengths, values, colour, dash="dot"))
     return _chart(traces, "reflectance")
 
 
@@ -65,8 +67,8 @@ def radiance_chart(readings: tuple[Reading | None, ...]) -> Chart:
         if reading is None:
             continue
         spectrum = reading.spectrum
-        unit = np.interp(560.0, spectrum.wavelengths, spectrum.white)
-        unit = float(unit) or float(spectrum.white.max())
+        middle = float(np.interp(560.0, spectrum.wavelengths, spectrum.white))
+        unit = middle or float(spectrum.white.max())
         for part, values, dash in (
             ("", spectrum.diffuse + spectrum.specular, "solid"),
             (" diffuse", spectrum.diffuse, "dash"),
@@ -101,27 +103,6 @@ def illuminant_chart(scene: Scene) -> Chart:
     return _chart(traces, "relative power")
 
 
-def layers(skin: Skin, wavelengths: Array) -> list[tuple[str, Array, str]]:
-    """Return R_e of the epidermis alone and R_d of the dermis over the hypodermis.
-
-    As (name, values, colour) each; models without these layers have no such parts.
-    """
-    model = skin.model
-    if model.name != "two-layer":
-        return []
-    at = model.coefficients.at(wavelengths)
-    w_m, w_h, w_dh = skin.values
-    R_e, _ = kubelka_munk_layer(w_m * at.melanin, at.epidermis, model.thickness[0])
-    blood = w_h * at.oxyhaemoglobin + w_dh * at.deoxyhaemoglobin
-    R_d, T_d = kubelka_munk_layer(blood, at.dermis, model.thickness[1])
-    behind = model.hypodermis
-    whole = R_d + T_d**2 * behind / (1 - R_d * behind)
-    return [
-        ("R<sub>e</sub>", R_e, _EPIDERMIS),
-        ("R<sub>d</sub>", whole, _DERMIS),
-    ]
-
-
 def _mean(skin: Skin) -> Skin:
     """Return the mean of skin that differs over the hand."""
     return Skin(skin.model, np.atleast_2d(skin.values).mean(axis=0))
@@ -137,7 +118,7 @@ def _within(limits: tuple[float, float]) -> Array:
 
 def _colour(i: int) -> str:
     """Return the colour of the i-th light's curve."""
-    return (_FITTED, _OTHER, _DERMIS, _EPIDERMIS)[i % 4]
+    return (_FITTED, _OTHER, *_LAYER_COLOURS)[i % 4]
 
 
 def _trace(

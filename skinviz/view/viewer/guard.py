@@ -72,7 +72,7 @@ class Door(LinkProtocol):  # type: ignore[misc]
 
     def stand_at(self, server: Any) -> None:
         """Guard a web server that is about to start."""
-        self._handlers = server._ws_handlers  # noqa: SLF001 - wslink has no other way
+        self._handlers = server._ws_handlers
         for handler in self._handlers:
             for name in _EXITS:  # no browser ends the server
                 handler.functionMap.pop(name, None)
@@ -132,9 +132,9 @@ def middleware(secret: str, host: str, *, framed: bool) -> Any:
         if not is_known_name(request.host, host):
             raise web.HTTPForbidden(text="this server does not go by that name\n")
         origin = request.headers.get("Origin")
-        if request.path == "/ws" or origin is not None:
-            if origin is None or urlsplit(origin).netloc != request.host:
-                raise web.HTTPForbidden(text="pages of other sites may not ask here\n")
+        asks = request.path == "/ws" or origin is not None
+        if asks and (origin is None or urlsplit(origin).netloc != request.host):
+            raise web.HTTPForbidden(text="pages of other sites may not ask here\n")
         response = await handler(request)
         if response.prepared:
             return response

@@ -1,9 +1,10 @@
-"""What is opened once and stays: the mesh, the scene file, the people to choose from."""
+"""What is opened once and stays: the mesh, its file, the people to choose from."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,11 @@ from skinviz.view.viewer.turning import angles_of, view_of
 
 Array = NDArray[np.float64]
 
-WIDTHS = {"torrance-sparrow": "gamma", "cook-torrance": "roughness", "phong": "exponent"}
+WIDTHS = {
+    "torrance-sparrow": "gamma",
+    "cook-torrance": "roughness",
+    "phong": "exponent",
+}
 """What says how wide each surface's lobe is."""
 
 _ARCHIVE = "issa"  # whose people are offered where a scene names none
@@ -50,10 +55,6 @@ class Opened:
         For people to read.
     scene : Scene
         As it was given.
-    geometry : Geometry
-        Of its mesh.
-    frame : HandFrame
-        From which angles count.
     own : Sample
         The scene's own skin.
     samples : Samples
@@ -62,19 +63,29 @@ class Opened:
         Where files are written, and nowhere else.
     content : dict or None
         What the scene's file says; None where there is no file.
-    initial : ViewState
-        What is shown first.
     """
 
     name: str
     scene: Scene
-    geometry: Geometry
-    frame: HandFrame
     own: Sample
     samples: Samples
     folder: Path
     content: dict[str, Any] | None
-    initial: ViewState
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        """The scene's mesh, made ready."""
+        return geometry_of(self.scene.mesh)
+
+    @cached_property
+    def frame(self) -> HandFrame:
+        """From which angles count: the hand's, or the camera's where it is no hand."""
+        return _frame(self.scene)
+
+    @cached_property
+    def initial(self) -> ViewState:
+        """What is shown first: the scene as it is."""
+        return initial_state(self.scene, self.geometry, self.frame)
 
 
 def open_file(path: Path | None) -> Opened:
@@ -99,7 +110,7 @@ def open_scene(scene: Scene) -> Opened:
     """Open a scene that was made in Python."""
     own = Sample("the scene's own skin", scene.skin, None, None, None, {})
     samples = ArchiveSamples(_ARCHIVE, load_archive(_ARCHIVE), {})
-    return _opened("scene", scene, own, samples, Path.cwd(), None)
+    return Opened("scene", scene, own, samples, Path.cwd(), None)
 
 
 def _from_content(name: str, content: dict[str, Any], folder: Path) -> Opened:
@@ -112,7 +123,7 @@ def _from_content(name: str, content: dict[str, Any], folder: Path) -> Opened:
     samples = ArchiveSamples(archive, load_archive(archive), options)
     own = _own(table, folder, samples)
     scene = scene_from(content, folder, own.skin)
-    return _opened(name, scene, own, samples, folder, content)
+    return Opened(name, scene, own, samples, folder, content)
 
 
 _OPTIONS = ("model", "specular", "thickness", "coefficients", "free")
@@ -142,20 +153,11 @@ def _interval(file: Path, table: dict[str, Any]) -> Array | None:
     return np.array(pairs, dtype=np.float64)
 
 
-def _opened(
-    name: str,
-    scene: Scene,
-    own: Sample,
-    samples: Samples,
-    folder: Path,
-    content: dict[str, Any] | None,
-) -> Opened:
-    """Return what is opened, with the state that shows it as it is."""
-    frame, surface = _frame(scene), scene.surface
-    light = scene.lights[0].homogeneous
-    geometry = geometry_of(scene.mesh)
+def initial_state(scene: Scene, geometry: Geometry, frame: HandFrame) -> ViewState:
+    """Return the state that shows a scene as it is."""
+    surface, light = scene.surface, scene.lights[0].homogeneous
     to_light = light[:3] - light[3] * centroid(geometry)
-    initial = ViewState(
+    return ViewState(
         light=angles_of(frame, to_light / np.linalg.norm(to_light)),
         view=view_of(frame, scene.camera.direction, scene.camera.up),
         surface=type(surface).name,
@@ -164,9 +166,6 @@ def _opened(
         specular_scale=float(getattr(surface, "specular_scale", 1.0)),
         exposure=scene.exposure,
         white=scene.white,
-    )
-    return Opened(
-        *(name, scene, geometry, frame, own, samples, folder, content, initial)
     )
 
 

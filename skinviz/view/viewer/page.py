@@ -84,7 +84,7 @@ def _set_variables(server: Any, opened: Opened) -> None:
             "lamps": _lamps(opened),
             "presets": list(PRESETS),
             **{f"weight_{k}": None for k in range(MOST_WEIGHTS)},
-            **{name: None for name in CONTROLS},
+            **dict.fromkeys(CONTROLS),
             **control_values(opened.initial),
             **{
                 f"{name}_chart": {"data": [], "layout": {}}

@@ -280,9 +280,11 @@ def _build_picture(v: Any, html: Any) -> None:
             *(v, html, "tolerance_log", "tolerance", (-1, 1.3, 0.05)),
             told="'ΔE00 ' + (10 ** tolerance_log).toPrecision(2)",
         )
-        with html.Table(
-            classes="sv-plan", raw_attrs=['data-test="plan"']
-        ), html.Tbody(), html.Tr(v_for="row in plan", key="row.knob"):
+        with (
+            html.Table(classes="sv-plan", raw_attrs=['data-test="plan"']),
+            html.Tbody(),
+            html.Tr(v_for="row in plan", key="row.knob"),
+        ):
             html.Td("{{ row.knob }}")
             with html.Td():
                 html.Div("{{ row.chosen }}")

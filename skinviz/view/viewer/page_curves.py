@@ -18,18 +18,14 @@ def build_curves(html: Any) -> None:
     with html.Aside(classes="sv-curves"):
         _build_points(html)
         for name, title in _CHARTS:
-            with html.Section(
-                classes="sv-chart", raw_attrs=[f'data-test="{name}"']
-            ):
+            with html.Section(classes="sv-chart", raw_attrs=[f'data-test="{name}"']):
                 html.Div(title, classes="sv-chart-title")
                 html.Div(
                     "Click the hand to mark a point and see the light that it sends.",
                     v_if=f"{name}_chart.data.length === 0",
                     classes="sv-empty",
                 )
-                with html.Div(
-                    v_if=f"{name}_chart.data.length > 0", classes="sv-plot"
-                ):
+                with html.Div(v_if=f"{name}_chart.data.length > 0", classes="sv-plot"):
                     plotly.Figure(
                         state_variable_name=f"{name}_chart",
                         display_mode_bar=False,
@@ -39,9 +35,12 @@ def build_curves(html: Any) -> None:
 
 def _build_points(html: Any) -> None:
     """Lay out the marked points' colours."""
-    with html.Table(
-        classes="sv-points", v_if="points.length", raw_attrs=['data-test="points"']
-    ), html.Tbody():
+    with (
+        html.Table(
+            classes="sv-points", v_if="points.length", raw_attrs=['data-test="points"']
+        ),
+        html.Tbody(),
+    ):
         with html.Tr(v_for="point in points", key="point.name"):
             with html.Td():
                 html.B("{{ point.name }}")

@@ -233,5 +233,3 @@ def _encoded(picture: Picture, kind: str, **options: Any) -> bytes:
     file = io.BytesIO()
     Image.fromarray(picture).save(file, kind, **options)
     return file.getvalue()
-
-

@@ -56,8 +56,6 @@ class Sample:
 class Samples(Protocol):
     """Measured people, to choose from."""
 
-    name: str
-
     def groups(self) -> list[str]:
         """Return the groups of people that there are."""
         ...

@@ -19,6 +19,7 @@ from skinviz.view.figures import Site, hands_figure, save_figure
 from skinviz.view.viewer.opened import WIDTHS, Opened, has
 from skinviz.view.viewer.pictures import Shown
 from skinviz.view.viewer.readings import readings_of
+from skinviz.view.viewer.shown import index_value
 from skinviz.view.viewer.state import ViewState
 
 SCENE_SUFFIXES = (".toml",)
@@ -193,14 +194,9 @@ def _skin_table(shown: Shown) -> dict[str, Any]:
 def _surface_table(state: ViewState, scene: Scene) -> dict[str, Any]:
     """Return [surface] as the controls set it."""
     table: dict[str, Any] = {"model": state.surface}
-    n: float | str = state.index
-    try:
-        n = float(state.index)
-    except ValueError:
-        pass
     said = {
         WIDTHS.get(state.surface, ""): state.width,
-        "n": n,
+        "n": index_value(state.index),
         "specular_scale": state.specular_scale,
         "masking": getattr(scene.surface, "masking", "v-cavity"),
     }

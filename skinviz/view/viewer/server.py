@@ -45,6 +45,11 @@ class Running:
     _server: Any
     _task: asyncio.Task[Any]
 
+    async def ready(self) -> None:
+        """Wait until it answers, and draw the first picture."""
+        await self._server.ready
+        self.viewer.begin()
+
     async def stop(self) -> None:
         """Close the connections and end."""
         await self.viewer.close()
@@ -52,10 +57,10 @@ class Running:
         await self._task
 
 
-async def start(
+def start(
     opened: Opened, *, host: str = HOST, port: int = 0, framed: bool = False
 ) -> Running:
-    """Start to serve in the running event loop.
+    """Start to serve in the running event loop; await :meth:`Running.ready` then.
 
     Parameters
     ----------
@@ -64,7 +69,7 @@ async def start(
     host : str
         Address to listen on.
     port : int
-        0: any that is free.
+        0: one that is free.
     framed : bool
         Whether pages of this machine may show it in a frame, as notebooks do.
 
@@ -75,7 +80,7 @@ async def start(
     """
     from trame.app import get_server
 
-    _require_free(host, int(in_range(port, 0, 65535, "port")))
+    port = _free_port(host, int(in_range(port, 0, 65535, "port")))
     for name in ("wslink", "aiohttp.server", "trame_server"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # errors go to their client
     secret = secrets.token_urlsafe(_SECRET_BYTES)
@@ -101,7 +106,7 @@ async def start(
         door.stand_at(bound)
 
     server.controller.on_server_bind.add(bind)
-    _without_command_line(server, host, int(port), secret)
+    _without_command_line(server, host, port, secret)
     task = server.start(
         exec_mode="task",
         thread=True,
@@ -111,11 +116,9 @@ async def start(
         backend="aiohttp",
         timeout=0,
     )
-    await server.ready
-    viewer.begin()
     shown = f"[{host}]" if ":" in host else host
     query = urlencode({"secret": secret})
-    return Running(viewer, f"http://{shown}:{server.port}/?{query}", server, task)
+    return Running(viewer, f"http://{shown}:{port}/?{query}", server, task)
 
 
 async def serve(
@@ -131,7 +134,8 @@ async def serve(
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    running = await start(opened, host=host, port=port)
+    running = start(opened, host=host, port=port)
+    await running.ready()
     if host not in LOOPBACK:
         say(
             f"warning: listening on {host}: whoever has the link can steer the viewer, "
@@ -154,11 +158,12 @@ def _without_command_line(server: Any, host: str, port: int, secret: str) -> Non
     server.cli.parse_known_args = lambda *_: (options, [])
 
 
-def _require_free(host: str, port: int) -> None:
-    """Refuse an address that cannot be listened on, before anything is started."""
+def _free_port(host: str, port: int) -> int:
+    """Return a port that can be listened on, or say before anything is started."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
-        socket.create_server((host, port), family=family).close()
+        with socket.create_server((host, port), family=family) as found:
+            return int(found.getsockname()[1])
     except OSError as error:
         raise SkinvizError(
             f"cannot listen on {host} port {port}: {error.strerror}; choose another "

@@ -85,7 +85,7 @@ def surface_of(opened: Opened, state: ViewState) -> Surface:
     own = opened.scene.surface
     said: dict[str, Any] = {
         WIDTHS.get(state.surface, ""): state.width,
-        "n": _index(state.index),
+        "n": index_value(state.index),
         "specular_scale": state.specular_scale,
         "masking": getattr(own, "masking", "v-cavity"),
     }
@@ -112,8 +112,8 @@ def _is_initial(opened: Opened, state: ViewState, names: tuple[str, ...]) -> boo
     return all(getattr(state, n) == getattr(opened.initial, n) for n in names)
 
 
-def _index(text: str) -> float | str:
-    """Return a refractive index, or a tissue's name."""
+def index_value(text: str) -> float | str:
+    """Return a refractive index, or the name of a tissue that disperses."""
     try:
         return float(text)
     except ValueError:

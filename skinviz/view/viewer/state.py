@@ -20,6 +20,14 @@ MOST_POINTS = 2
 
 _MOST_TEXT = 200
 _WIDEST = 1e4  # mm, of what is shifted and where points are
+_LISTS = (("light", 2, 180.0), ("view", 3, 180.0), ("shift", 2, _WIDEST))
+_NUMBERS = (
+    ("zoom", 0.05, 100.0),
+    ("width", 0.0, 1e9),
+    ("specular_scale", 0.0, 1e6),
+    ("exposure", 1e-3, 1e3),
+    ("tolerance", TIGHTEST, LOOSEST),
+)
 
 
 @dataclass(frozen=True)
@@ -136,27 +144,18 @@ class ViewState:
             raise ArgumentError(f"difference must be true or false: {self.difference}")
         for text in (self.illuminant, self.index):
             _require_text(text)
-        for name, n in (("light", 2), ("view", 3)):
-            angles = _numbers(getattr(self, name), -180.0, 180.0, f"{name} angle")
-            object.__setattr__(self, name, _of_length(angles, n, f"{name} angles"))
-        shift = _numbers(self.shift, -_WIDEST, _WIDEST, "shift")
-        object.__setattr__(self, "shift", _of_length(shift, 2, "shift"))
+        for name, n, most in _LISTS:
+            numbers = _numbers(getattr(self, name), -most, most, name)
+            object.__setattr__(self, name, _of_length(numbers, n, name))
         one_of(self.surface, surface_models(), "surface")
         one_of(self.white, ADAPTATIONS, "white")
-        for name, low, high in (
-            ("zoom", 0.05, 100.0),
-            ("width", 0.0, 1e9),
-            ("specular_scale", 0.0, 1e6),
-            ("exposure", 1e-3, 1e3),
-            ("tolerance", TIGHTEST, LOOSEST),
-        ):
+        for name, low, high in _NUMBERS:
             number = in_range(getattr(self, name), low, high, name.replace("_", " "))
             object.__setattr__(self, name, number)
         if len(self.points) > MOST_POINTS:
             raise ArgumentError(f"at most {MOST_POINTS} points can be marked")
-        for mark in self.points:
-            if mark.look >= len(self.looks):
-                raise ArgumentError("a point is marked on a hand that is not shown")
+        if any(mark.look >= len(self.looks) for mark in self.points):
+            raise ArgumentError("a point is marked on a hand that is not shown")
 
     @property
     def look(self) -> Look:
@@ -192,7 +191,7 @@ class ViewState:
 def _numbers(given: Any, low: float, high: float, name: str) -> tuple[float, ...]:
     """Return numbers within a range."""
     if not isinstance(given, list | tuple):
-        raise ArgumentError(f"{name}s must be a list of numbers; got {given!r}")
+        raise ArgumentError(f"{name} must be a list of numbers; got {given!r}")
     return tuple(in_range(number, low, high, name) for number in given)
 
 

@@ -34,7 +34,9 @@ def told_of(shown: Shown, samples: Samples) -> dict[str, Any]:
         **skin_told(shown),
         "sites": samples.sites(person) if person else [],
         "surface_control": surface_control(shown.state.surface),
-        "points": [_point(name, one) for name, one in zip("AB", readings, strict=False)],
+        "points": [
+            _point(name, one) for name, one in zip("AB", readings, strict=False)
+        ],
         "point_difference": difference_of(readings),
         "reflectance_chart": reflectance_chart(shown),
         "radiance_chart": radiance_chart(readings),
@@ -136,5 +138,5 @@ def _names(shown: Shown) -> list[dict[str, str]]:
 def _legend(scale: float) -> dict[str, str]:
     """Return the difference map's colours, and what its ends stand for."""
     steps = np.linspace(0, 255, _STEPS).astype(int)
-    colours = ", ".join("#%02x%02x%02x" % tuple(difference_colours()[i]) for i in steps)
+    colours = ", ".join(f"#{bytes(row).hex()}" for row in difference_colours()[steps])
     return {"gradient": f"linear-gradient(to right, {colours})", "to": f"{scale:g}"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +28,7 @@ def angles_of(frame: HandFrame, direction: Array) -> tuple[float, float]:
     """Return the angle and tilt of a direction. [°]"""
     tilt = np.arcsin(np.clip(direction @ frame.fingers, -1.0, 1.0))
     angle = np.arctan2(-(direction @ frame.side), direction @ frame.back)
-    return _tidy(np.rad2deg(angle)), _tidy(np.rad2deg(tilt))
+    return _degrees(angle), _degrees(tilt)
 
 
 def eye(frame: HandFrame, view: tuple[float, ...]) -> tuple[Array, Array]:
@@ -46,7 +48,7 @@ def view_of(frame: HandFrame, direction: Array, up: Array) -> tuple[float, ...]:
     angle, tilt = angles_of(frame, direction)
     level = _upwards(frame, -angle, tilt)
     roll = np.arctan2(up @ np.cross(level, direction), up @ level)
-    return (-angle, tilt, _tidy(np.rad2deg(roll)))
+    return (-angle, tilt, _degrees(roll))
 
 
 def turned(state: ViewState, across: float, along: float) -> ViewState:
@@ -81,6 +83,6 @@ def _wrapped(angle: float) -> float:
     return round((angle + 180.0) % 360.0 - 180.0, 2)
 
 
-def _tidy(angle: float) -> float:
-    """Return an angle without the last digits' noise, and no negative zero."""
-    return round(float(angle), 6) + 0.0
+def _degrees(angle: Any) -> float:
+    """Return an angle in degrees without the last digits' noise or negative zero."""
+    return round(float(np.rad2deg(angle)), 6) + 0.0

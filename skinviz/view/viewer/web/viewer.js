@@ -148,7 +148,8 @@
     const state = window.trame.state;
     const dark = window.matchMedia("(prefers-color-scheme: dark)").matches;
     const chosen = window.localStorage.getItem("skinviz-theme");
-    state.set("theme", chosen || (dark ? "dark" : "light"));
+    // After this turn: what is set while the page is mounted is not seen by it.
+    setTimeout(() => state.set("theme", chosen || (dark ? "dark" : "light")));
     const link = window.location.search;
     if (link.length > 1) ask("link", [link]);
     let first = true;

@@ -1,0 +1,61 @@
+"""``show``: a scene to look at, wherever Python runs."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from typing import TYPE_CHECKING, Any
+
+from skinviz.view.viewer.opened import open_scene
+from skinviz.view.viewer.server import HOST, serve, start
+
+if TYPE_CHECKING:
+    from skinviz.scene.scene import Scene
+
+_HEIGHT = 720  # pixels, of a frame in a notebook
+
+
+def show(scene: Scene) -> Any:
+    """Open the viewer with a scene.
+
+    In a notebook the viewer appears below the cell and lives as long as the kernel.
+    Elsewhere it opens in the browser, and the call ends with Ctrl-C.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be shown.
+
+    Returns
+    -------
+    frame : IPython.display.IFrame or None
+        In a notebook, where it is the cell's value.
+
+    Raises
+    ------
+    SkinvizError
+        If the scene cannot be shown.
+    """
+    opened = open_scene(scene)
+    if not in_notebook():
+        asyncio.run(serve(opened, host=HOST, port=0, browser=True, say=_say))
+        return None
+    from IPython.display import IFrame
+
+    running = start(opened, framed=True)
+    waiting = asyncio.ensure_future(running.ready())
+    waiting.add_done_callback(lambda done: done.exception())
+    return IFrame(running.url, "100%", _HEIGHT)
+
+
+def in_notebook() -> bool:
+    """Return whether Python runs in the kernel of a notebook."""
+    shell = sys.modules.get("IPython")
+    own = shell.get_ipython() if shell is not None else None
+    return own is not None and hasattr(own, "kernel")
+
+
+def _say(text: str) -> None:
+    """Write one line."""
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
