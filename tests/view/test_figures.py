@@ -27,8 +27,7 @@ def hands(picture, site, scene, n_pictures=2):
     return hands_figure(
         dict.fromkeys(titles[:n_pictures], picture),
         site,
-        np.array([5.0, 20.0, 0.0]),
-        vertex_spectrum(scene, 10),
+        [(np.array([5.0, 20.0, 0.0]), vertex_spectrum(scene, 10))],
         CAPTION,
     )
 

@@ -124,10 +124,11 @@ def with_surface(state: ViewState, opened: Opened, name: str) -> ViewState:
         made = opened.scene.surface
     else:
         made = surface_model(name)
+    gains_index = has(name, "n") and not has(state.surface, "n")
     return state.replace(
         surface=name,
         width=width_of(made),
-        index=state.index if has(name, "n") else index_of(made),
+        index=index_of(made) if gains_index else state.index,
         specular_scale=float(getattr(made, "specular_scale", 1.0)),
     )
 

@@ -61,11 +61,13 @@ def window(opened: Opened, *, off_screen: bool = False) -> pyvista.Plotter:
     _aim(plotter, opened)
     mesh.point_data["rgb"] = colours(opened, plotter.camera)
     plotter.add_mesh(mesh, scalars="rgb", rgb=True, lighting=False, name="hand")
+    chart = _empty_chart()
+    plotter.add_chart(chart)
     plotter.iren.add_observer(
         "EndInteractionEvent", lambda *_: _recolour(plotter, opened, mesh)
     )
     plotter.enable_surface_point_picking(
-        callback=partial(read_point, plotter, opened),
+        callback=partial(read_point, plotter, opened, chart),
         left_clicking=True,
         show_message="click: light of a point    drag: turn    wheel: zoom    q: end",
         font_size=10,
@@ -80,7 +82,9 @@ def colours(opened: Opened, camera: Any) -> NDArray[np.uint8]:
     return vertex_rgb(_stage(opened, camera))[0]
 
 
-def read_point(plotter: pyvista.Plotter, opened: Opened, point: Any) -> None:
+def read_point(
+    plotter: pyvista.Plotter, opened: Opened, chart: Any, point: Any
+) -> None:
     """Write the colour of a point on the window, and draw the light that it sends."""
     if point is None:
         return
@@ -91,28 +95,33 @@ def read_point(plotter: pyvista.Plotter, opened: Opened, point: Any) -> None:
     lab = xyz_to_lab(seen.xyz, stage.white)
     text = f"L* {lab[0]:.2f}   a* {lab[1]:.2f}   b* {lab[2]:.2f}"
     plotter.add_text(text, position="upper_left", font_size=11, name="reading")
-    for chart in plotter.renderer.charts or ():
-        plotter.remove_chart(chart)
-    plotter.add_chart(_chart(seen))
+    _draw(chart, seen)
 
 
-def _chart(seen: SeenPoint) -> Any:
-    """Return the radiance of a point in its parts."""
+def _empty_chart() -> Any:
+    """Return a chart over wavelength, out of sight until there is a point."""
     import pyvista
 
+    chart = pyvista.Chart2D(size=(0.36, 0.34), loc=(0.62, 0.02))
+    chart.x_label, chart.y_label = "wavelength (nm)", "radiance / white"
+    chart.x_range = (400.0, 700.0)
+    chart.visible = False
+    return chart
+
+
+def _draw(chart: Any, seen: SeenPoint) -> None:
+    """Draw the radiance of a point in its parts."""
     spectrum = seen.spectrum
     unit = float(np.interp(560.0, spectrum.wavelengths, spectrum.white)) or 1.0
-    chart = pyvista.Chart2D(size=(0.36, 0.34), loc=(0.62, 0.02))
     values = (
         spectrum.diffuse + spectrum.specular,
         spectrum.diffuse,
         spectrum.specular,
     )
+    chart.clear()
     for (name, colour), own in zip(_CURVES, values, strict=True):
         chart.line(spectrum.wavelengths, own / unit, color=colour, label=name)
-    chart.x_label, chart.y_label = "wavelength (nm)", "radiance / white"
-    chart.x_range = (400.0, 700.0)
-    return chart
+    chart.visible = True
 
 
 def _recolour(plotter: pyvista.Plotter, opened: Opened, mesh: Any) -> None:
