@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from skinviz.cli.arguments import Whole
@@ -51,4 +52,12 @@ def view(
         return
     from skinviz.view.viewer.server import serve
 
-    asyncio.run(serve(opened, host=host, port=port, browser=not no_browser, say=say))
+    asyncio.run(
+        serve(opened, host=host, port=port, browser=not no_browser, say=_say_now)
+    )
+
+
+def _say_now(text: str) -> None:
+    """Write one line that does not wait for more, wherever it goes."""
+    say(text)
+    sys.stdout.flush()

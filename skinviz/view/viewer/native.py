@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _SIZE = (1100, 850)
+_HINT = "click: light of a point    drag: turn    wheel: zoom    q: end"
 _CURVES = (("total", "k"), ("diffuse", "r"), ("specular", "b"))
 
 
@@ -69,11 +70,11 @@ def window(opened: Opened, *, off_screen: bool = False) -> pyvista.Plotter:
     plotter.enable_surface_point_picking(
         callback=partial(read_point, plotter, opened, chart),
         left_clicking=True,
-        show_message="click: light of a point    drag: turn    wheel: zoom    q: end",
-        font_size=10,
+        show_message=False,
         point_size=12,
         color="white",
     )
+    plotter.add_text(_HINT, position="lower_left", font_size=9, color="white")
     return plotter
 
 
@@ -94,8 +95,11 @@ def read_point(
         return
     lab = xyz_to_lab(seen.xyz, stage.white)
     text = f"L* {lab[0]:.2f}   a* {lab[1]:.2f}   b* {lab[2]:.2f}"
-    plotter.add_text(text, position="upper_left", font_size=11, name="reading")
+    plotter.add_text(
+        text, position="upper_left", font_size=11, color="white", name="reading"
+    )
     _draw(chart, seen)
+    plotter.render()
 
 
 def _empty_chart() -> Any:
@@ -105,6 +109,7 @@ def _empty_chart() -> Any:
     chart = pyvista.Chart2D(size=(0.36, 0.34), loc=(0.62, 0.02))
     chart.x_label, chart.y_label = "wavelength (nm)", "radiance / white"
     chart.x_range = (400.0, 700.0)
+    chart.background_color = "white"
     chart.visible = False
     return chart
 
@@ -121,6 +126,7 @@ def _draw(chart: Any, seen: SeenPoint) -> None:
     chart.clear()
     for (name, colour), own in zip(_CURVES, values, strict=True):
         chart.line(spectrum.wavelengths, own / unit, color=colour, label=name)
+    chart.y_range = (0.0, 1.4 * float(np.max(values)) / unit or 1.0)
     chart.visible = True
 
 
