@@ -116,4 +116,4 @@ def test_shadows_are_cast(model):
     )
     held = hold(geometry_of(scene.mesh), scene.camera)
     lit = held.rgb(held.stage(scene, ONE_RAY.replace(shadows=False)))
-    assert (held.rgb(held.stage(scene)).sum() < lit.sum()) and lit.any()
+    assert held.rgb(held.stage(scene)).sum() < lit.sum()

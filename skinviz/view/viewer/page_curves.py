@@ -18,7 +18,9 @@ def build_curves(html: Any) -> None:
     with html.Aside(classes="sv-curves"):
         _build_points(html)
         for name, title in _CHARTS:
-            with html.Section(classes="sv-chart", raw_attrs=[f'data-test="{name}"']):
+            with html.Section(
+                classes="sv-chart", raw_attrs=[f'data-test="{name}_chart"']
+            ):
                 html.Div(title, classes="sv-chart-title")
                 html.Div(
                     "Click the hand to mark a point and see the light that it sends.",

@@ -98,6 +98,6 @@ def test_controls_read_back_what_they_set():
     }
     assert set(values) == set(CONTROLS)
     state = ViewState()
-    for name in values:
-        state = CONTROLS[name][1](state, values[name])
+    for name, value in values.items():
+        state = CONTROLS[name][1](state, value)
     assert control_values(state) == values

@@ -1,7 +1,6 @@
 """What is saved is what is shown, in the opened folder and nowhere else."""
 
 import dataclasses
-import os
 
 import numpy as np
 import pytest
@@ -166,7 +165,7 @@ def test_what_is_there_already_is_left_alone(own_folder):
     old.write_text("mine")
     with pytest.raises(SkinvizError, match="there already"):
         file_named(own_folder, "mine.toml", SCENE_SUFFIXES)
-    os.symlink("/nonexistent/elsewhere.png", own_folder.folder / "link.png")
+    (own_folder.folder / "link.png").symlink_to("/nonexistent/elsewhere.png")
     with pytest.raises(SkinvizError, match="there already"):
         file_named(own_folder, "link.png", FIGURE_SUFFIXES)
     assert old.read_text() == "mine"
