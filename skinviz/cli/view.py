@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from skinviz.cli.arguments import Whole
 from skinviz.cli.output import say
+
+if TYPE_CHECKING:
+    from skinviz.view.viewer.opened import Opened
 
 
 def view(
@@ -41,20 +45,36 @@ def view(
         Open a window of its own instead of a page in the browser.
     """
     import asyncio
+    from functools import partial
 
-    from skinviz.view.viewer.opened import open_file
+    from skinviz._files import existing_file
+    from skinviz.errors import DataError
 
-    opened = open_file(scene)
+    if scene is not None:
+        existing_file(scene, DataError)  # before a page is opened
     if native:
         from skinviz.view.viewer.native import show_window
 
-        show_window(opened)
+        show_window(_open(scene))
         return
     from skinviz.view.viewer.server import serve
 
     asyncio.run(
-        serve(opened, host=host, port=port, browser=not no_browser, say=_say_now)
+        serve(
+            partial(_open, scene),
+            host=host,
+            port=port,
+            browser=not no_browser,
+            say=_say_now,
+        )
     )
+
+
+def _open(scene: Path | None) -> Opened:
+    """Open a scene file, or the shipped hand."""
+    from skinviz.view.viewer.opened import open_file
+
+    return open_file(scene)
 
 
 def _say_now(text: str) -> None:

@@ -24,7 +24,7 @@ from skinviz.view.viewer.pictures import Darkroom, Shown, jpeg, png
 from skinviz.view.viewer.samples import Sample
 from skinviz.view.viewer.saving import command, save_scene, save_view_figure
 from skinviz.view.viewer.state import ViewState
-from skinviz.view.viewer.told import plan_told, settings_of, told_of
+from skinviz.view.viewer.told import opening_told, plan_told, settings_of, told_of
 
 _LOG = logging.getLogger(__name__)
 
@@ -57,7 +57,7 @@ class Viewer:
         # Quick pictures do not wait for a still one that has become old.
         self._quick = ThreadPoolExecutor(1, "skinviz-quick")
         self._slow = ThreadPoolExecutor(1, "skinviz-slow")
-        self._wake = asyncio.Event()
+        self._wake = asyncio.Event()  # used in one loop, whichever thread made it
         self._drawing: asyncio.Task[None] | None = None
         self._version = 0
         asked.listen(self, server)
@@ -77,7 +77,8 @@ class Viewer:
         return self.opened.own
 
     def begin(self) -> None:
-        """Start to draw."""
+        """Tell what was opened, and start to draw."""
+        self._tell(**opening_told(self.opened))
         self._drawing = asyncio.create_task(self._draw())
         self._wake.set()
 
@@ -122,11 +123,6 @@ class Viewer:
     def own_site(self) -> str:
         """Return the site of the scene's own skin, as far as it is known."""
         return str(self.opened.own.table.get("site", ""))
-
-    def browsers_changed(self, n: int) -> None:
-        """Tell how many browsers share the view."""
-        with self._server.state as told:
-            told.browsers = n
 
     def notice(self, text: str, *, bad: bool = True) -> None:
         """Show a line of text on the page."""

@@ -11,7 +11,6 @@ from skinviz.errors import SkinvizError
 from skinviz.view.viewer.address import from_query
 from skinviz.view.viewer.controls import (
     CONTROLS,
-    MOST_WEIGHTS,
     with_preset,
     with_saturation,
     with_surface,
@@ -20,6 +19,7 @@ from skinviz.view.viewer.controls import (
 from skinviz.view.viewer.readings import mark_at
 from skinviz.view.viewer.samples import ANY_GROUP
 from skinviz.view.viewer.turning import shifted, turned, zoomed
+from skinviz.view.viewer.variables import MOST_WEIGHTS
 
 if TYPE_CHECKING:
     from skinviz.view.viewer.app import Viewer

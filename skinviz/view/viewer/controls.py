@@ -13,12 +13,7 @@ from skinviz.surface.models import surface_model
 from skinviz.view.viewer.opened import Opened, has, index_of, width_of
 from skinviz.view.viewer.samples import Sample
 from skinviz.view.viewer.state import Look, ViewState
-
-MOST_WEIGHTS = 8
-"""Parameters of a model that have a control."""
-
-PRESETS = ("0/0", "30/0", "60/0", "60/60")
-"""Angles of light and viewer that the paper's pictures have."""
+from skinviz.view.viewer.variables import MOST_WEIGHTS, PRESETS
 
 _USUAL = {"w_m": 0.4, "w_h": 0.02, "w_dh": 0.02}  # ends of sliders, where they suffice
 _LABELS = {

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from skinviz.spectra.illuminants import illuminants
-from skinviz.view.viewer.controls import CONTROLS, MOST_WEIGHTS, PRESETS, control_values
-from skinviz.view.viewer.opened import Opened
 from skinviz.view.viewer.page_controls import build_controls
 from skinviz.view.viewer.page_curves import build_curves
+from skinviz.view.viewer.variables import FIRST, OWN
 
 _HINT = (
     "drag or arrows: turn · Shift: shift · wheel or + −: zoom · 0: whole hand · "
@@ -16,17 +14,19 @@ _HINT = (
 )
 
 
-def build_page(server: Any, opened: Opened) -> None:
+def build_page(server: Any) -> None:
     """Lay the page out on a trame server."""
     from trame.ui.vuetify3 import VAppLayout
     from trame.widgets import client, html
     from trame.widgets import vuetify3 as v
 
-    _set_variables(server, opened)
+    server.state.trame__title = "skinviz"
+    server.state.client_only(*OWN)
+    server.state.update({**FIRST, **OWN})
     with VAppLayout(server, theme=("theme", "light")) as layout, layout.root:
         client.ClientTriggers(mounted="window.skinviz.begin()")
         with html.Div(classes="sv-page"):
-            _build_head(v, html, opened)
+            _build_head(v, html)
             build_controls(v, html)
             _build_middle(v, html)
             build_curves(html)
@@ -42,72 +42,11 @@ def build_page(server: Any, opened: Opened) -> None:
         client.ClientStateChange(value="notice", change="notice_open = !!notice")
 
 
-def _set_variables(server: Any, opened: Opened) -> None:
-    """Give every variable of the page a first value."""
-    state, samples = server.state, opened.samples
-    state.trame__title = f"skinviz: {opened.name}"
-    state.client_only("theme", "notice_open", "command", "file_name", "group_open")
-    state.update(
-        {
-            "theme": "light",
-            "notice": None,
-            "notice_open": False,
-            "command": "",
-            "file_name": "view",
-            "busy": False,
-            "still": False,
-            "browsers": 1,
-            "picture": "",
-            "aspect": "1 / 1",
-            "query": "",
-            "quick_ms": 0,
-            "points": [],
-            "names": [],
-            "legend": None,
-            "point_difference": None,
-            "plan": [],
-            "plan_head": "",
-            "notes": [],
-            "weights": [],
-            "saturation": None,
-            "skin_name": "",
-            "skin_changed": False,
-            "beta": "",
-            "surface": opened.initial.surface,
-            "surface_control": {"width": "", "from": 0, "to": 1, "step": 0.01},
-            "group": None,
-            "groups": samples.groups(),
-            "people": samples.people(""),
-            "person": None,
-            "site": None,
-            "sites": [],
-            "lamps": _lamps(opened),
-            "presets": list(PRESETS),
-            **{f"weight_{k}": None for k in range(MOST_WEIGHTS)},
-            **dict.fromkeys(CONTROLS),
-            **control_values(opened.initial),
-            **{
-                f"{name}_chart": {"data": [], "layout": {}}
-                for name in ("reflectance", "radiance", "illuminant")
-            },
-        }
-    )
-
-
-def _lamps(opened: Opened) -> list[dict[str, str]]:
-    """Return the lamps to choose from, the scene's own first."""
-    own = opened.scene.lights[0].spectrum.name
-    return [
-        {"title": f"{own} (the scene's)", "value": ""},
-        *({"title": name, "value": name} for name in illuminants()),
-    ]
-
-
-def _build_head(v: Any, html: Any, opened: Opened) -> None:
+def _build_head(v: Any, html: Any) -> None:
     """Lay out the line at the top."""
     with html.Header(classes="sv-head"):
         html.Span("skinviz", classes="sv-title")
-        html.Span(opened.name, classes="sv-file")
+        html.Span("{{ title }}", classes="sv-file")
         v.VSpacer()
         for icon, name, title in (
             ("mdi-undo", "undo", "Undo (Ctrl-Z)"),
@@ -144,7 +83,7 @@ def _build_middle(v: Any, html: Any) -> None:
     ):
         with html.Div(classes="sv-busy", v_if="busy", raw_attrs=['role="status"']):
             v.VProgressCircular(indeterminate=True, size=16, width=2)
-            html.Span("computing")
+            html.Span("{{ opened ? 'computing' : 'opening the scene' }}")
         with html.Div(
             classes="sv-frame",
             v_show="picture",

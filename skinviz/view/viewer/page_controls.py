@@ -5,8 +5,7 @@ from __future__ import annotations
 from contextlib import AbstractContextManager
 from typing import Any
 
-from skinviz.surface.models import surface_models
-from skinviz.view.viewer.controls import MOST_WEIGHTS
+from skinviz.view.viewer.variables import MOST_WEIGHTS
 
 
 def build_controls(v: Any, html: Any) -> None:
@@ -223,7 +222,7 @@ def _build_surface(v: Any, html: Any) -> None:
     with _group(html, "Surface"):
         v.VSelect(
             v_model=("surface",),
-            items=(str(list(surface_models())),),
+            items=("surfaces",),
             label="model",
             density="compact",
             variant="outlined",

@@ -10,16 +10,19 @@ import socket
 import webbrowser
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
 from skinviz._validate import in_range
 from skinviz.errors import SkinvizError
-from skinviz.view.viewer.app import Viewer
 from skinviz.view.viewer.guard import LARGEST_MESSAGE, LOOPBACK, Door, middleware
-from skinviz.view.viewer.opened import Opened
 from skinviz.view.viewer.page import build_page
+
+if TYPE_CHECKING:
+    from skinviz.view.viewer.app import Viewer
+    from skinviz.view.viewer.opened import Opened
 
 HOST = "127.0.0.1"
 """This machine alone."""
@@ -28,44 +31,66 @@ _WEB = Path(__file__).with_name("web")
 _SECRET_BYTES = 32
 
 
-@dataclass(frozen=True, eq=False)
+Opening = Callable[[], "Opened"]
+
+
+@dataclass(eq=False)
 class Running:
-    """A server that answers.
+    """A server that answers, from before what it shows is opened.
 
     Attributes
     ----------
-    viewer : Viewer
-        What it shows.
     url : str
         Where, with the secret.
     """
 
-    viewer: Viewer
     url: str
     _server: Any
     _task: asyncio.Task[Any]
+    _viewer: Viewer | None = None
 
-    async def ready(self) -> None:
-        """Wait until it answers, and draw the first picture."""
+    @property
+    def viewer(self) -> Viewer:
+        """What it shows, once that is opened."""
+        if self._viewer is None:
+            raise SkinvizError("the viewer is still opening; await ready() first")
+        return self._viewer
+
+    async def answering(self) -> None:
+        """Wait until the page can be asked for."""
         await self._server.ready
-        self.viewer.begin()
+
+    async def show(self, opening: Opening) -> None:
+        """Open what is to be shown, beside what the page loads, and draw it.
+
+        Raises
+        ------
+        SkinvizError
+            If it cannot be opened; the page says why.
+        """
+        try:
+            self._viewer = await asyncio.to_thread(
+                _opened_viewer, opening, self._server
+            )
+        except SkinvizError as error:
+            with self._server.state as told:
+                told.busy, told.title = False, f"cannot be opened: {error}"
+            raise
+        self._viewer.begin()
 
     async def stop(self) -> None:
         """Close the connections and end."""
-        await self.viewer.close()
+        if self._viewer is not None:
+            await self._viewer.close()
         await self._server.stop()
         await self._task
 
 
-def start(
-    opened: Opened, *, host: str = HOST, port: int = 0, framed: bool = False
-) -> Running:
-    """Start to serve in the running event loop; await :meth:`Running.ready` then.
+def start(*, host: str = HOST, port: int = 0, framed: bool = False) -> Running:
+    """Start to serve in the running event loop; await ``answering`` and ``show`` then.
 
     Parameters
     ----------
-    opened : Opened
-        What there is to show.
     host : str
         Address to listen on.
     port : int
@@ -96,9 +121,8 @@ def start(
             "styles": ["skinviz/viewer.css"],
         }
     )
-    viewer = Viewer(opened, server)
-    build_page(server, opened)
-    door = Door(secret, viewer.browsers_changed)
+    build_page(server)
+    door = Door(secret, partial(_tell_browsers, server))
     server.add_protocol_to_configure(lambda root: root.registerLinkProtocol(door))
 
     def bind(bound: Any) -> None:
@@ -118,24 +142,41 @@ def start(
     )
     shown = f"[{host}]" if ":" in host else host
     query = urlencode({"secret": secret})
-    return Running(viewer, f"http://{shown}:{port}/?{query}", server, task)
+    return Running(f"http://{shown}:{port}/?{query}", server, task)
 
 
 async def serve(
-    opened: Opened,
+    opening: Opening,
     *,
-    host: str,
-    port: int,
-    browser: bool,
+    host: str = HOST,
+    port: int = 0,
+    browser: bool = True,
     say: Callable[[str], None],
 ) -> None:
-    """Serve until interrupted."""
+    """Serve until interrupted.
+
+    Parameters
+    ----------
+    opening : callable
+        Opens what is to be shown; in a thread, while the page loads.
+    host, port : str, int
+        As for :func:`start`.
+    browser : bool
+        Whether the page is opened in the user's browser.
+    say : callable
+        Told each line for the user.
+
+    Raises
+    ------
+    SkinvizError
+        If the address cannot be listened on, or nothing be opened.
+    """
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
-    running = start(opened, host=host, port=port)
-    await running.ready()
+    running = start(host=host, port=port)
+    await running.answering()
     if host not in LOOPBACK:
         say(
             f"warning: listening on {host}: whoever has the link can steer the viewer, "
@@ -145,9 +186,27 @@ async def serve(
     say("press Ctrl-C to end")
     if browser:
         await asyncio.to_thread(webbrowser.open, running.url)
-    await ended.wait()
-    await running.stop()
+    try:
+        await running.show(opening)
+        await ended.wait()
+    finally:
+        await running.stop()
     say("viewer ended")
+
+
+def _opened_viewer(opening: Opening, server: Any) -> Viewer:
+    """Return the viewer of what is opened; loading what it needs takes its time too."""
+    from skinviz.view.viewer.app import Viewer
+
+    opened = opening()
+    _ = opened.initial
+    return Viewer(opened, server)
+
+
+def _tell_browsers(server: Any, n: int) -> None:
+    """Tell how many browsers share the view."""
+    with server.state as told:
+        told.browsers = n
 
 
 def _without_command_line(server: Any, host: str, port: int, secret: str) -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from skinviz.view.viewer.opened import open_scene
-from skinviz.view.viewer.server import HOST, serve, start
+from skinviz.view.viewer.server import Opening, Running, serve, start
 
 if TYPE_CHECKING:
     from skinviz.scene.scene import Scene
@@ -36,16 +37,22 @@ def show(scene: Scene) -> Any:
     SkinvizError
         If the scene cannot be shown.
     """
-    opened = open_scene(scene)
+    opening = partial(open_scene, scene)
     if not in_notebook():
-        asyncio.run(serve(opened, host=HOST, port=0, browser=True, say=_say))
+        asyncio.run(serve(opening, say=_say))
         return None
     from IPython.display import IFrame
 
-    running = start(opened, framed=True)
-    waiting = asyncio.ensure_future(running.ready())
-    waiting.add_done_callback(lambda done: done.exception())
+    running = start(framed=True)
+    showing = asyncio.ensure_future(_show(running, opening))
+    showing.add_done_callback(lambda done: done.exception())  # the page tells it
     return IFrame(running.url, "100%", _HEIGHT)
+
+
+async def _show(running: Running, opening: Opening) -> None:
+    """Show a scene once the page can be asked for."""
+    await running.answering()
+    await running.show(opening)
 
 
 def in_notebook() -> bool:

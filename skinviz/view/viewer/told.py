@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from skinviz.rendering.finding import Finding
+from skinviz.spectra.illuminants import illuminants
+from skinviz.surface.models import surface_models
 from skinviz.view.viewer.controls import (
-    MOST_WEIGHTS,
     control_values,
     saturation_of,
     surface_control,
@@ -20,11 +21,30 @@ from skinviz.view.viewer.curves import (
     radiance_chart,
     reflectance_chart,
 )
+from skinviz.view.viewer.opened import Opened
 from skinviz.view.viewer.pictures import Shown, Still, difference_colours
 from skinviz.view.viewer.readings import Reading, difference_of, readings_of
-from skinviz.view.viewer.samples import Samples
+from skinviz.view.viewer.samples import ANY_GROUP, Samples
+from skinviz.view.viewer.variables import MOST_WEIGHTS
 
 _STEPS = 9  # of the difference map's legend
+
+
+def opening_told(opened: Opened) -> dict[str, Any]:
+    """Return what is told of what was opened, once."""
+    samples = opened.samples
+    return {
+        "opened": True,
+        "busy": False,
+        "title": opened.name,
+        "trame__title": f"skinviz: {opened.name}",
+        "groups": samples.groups(),
+        "people": samples.people(ANY_GROUP),
+        "lamps": _lamps(opened),
+        "surfaces": list(surface_models()),
+        "surface": opened.initial.surface,
+        **control_values(opened.initial),
+    }
 
 
 def told_of(shown: Shown, samples: Samples) -> dict[str, Any]:
@@ -92,6 +112,15 @@ def _finding(finding: Finding) -> dict[str, str]:
         "left_out": finding.left_out,
         "told": ", ".join(word for word in (change, saved) if word),
     }
+
+
+def _lamps(opened: Opened) -> list[dict[str, str]]:
+    """Return the lamps to choose from, the scene's own first."""
+    own = opened.scene.lights[0].spectrum.name
+    return [
+        {"title": f"{own} (the scene's)", "value": ""},
+        *({"title": name, "value": name} for name in illuminants()),
+    ]
 
 
 def _point(name: str, reading: Reading | None) -> dict[str, Any]:

@@ -28,8 +28,9 @@ def served(opened):
     running, ended = [], asyncio.Event()
 
     async def serve():
-        running.append(start(opened))
-        await running[0].ready()
+        running.append(start())
+        await running[0].answering()
+        await running[0].show(lambda: opened)
         ready.set()
         await ended.wait()
         await running[0].stop()

@@ -26,10 +26,11 @@ def run(opened, tmp_path):
     def ran(talk, **options):
         async def served():
             own = dataclasses.replace(opened, folder=tmp_path)
-            running = start(own, **options)
-            await running.ready()
+            running = start(**options)
             try:
                 async with asyncio.timeout(60):
+                    await running.answering()
+                    await running.show(lambda: own)
                     await talk(running)
             finally:
                 await running.stop()
@@ -421,9 +422,9 @@ def test_a_link_shows_the_same_view(run):
 # How it ends -------------------------------------------------------------------
 
 
-def test_a_port_in_use_is_said(opened):
+def test_a_port_in_use_is_said():
     async def twice(port):
-        start(opened, port=port)
+        start(port=port)
 
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]

@@ -128,6 +128,7 @@
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     const size = [element.clientWidth * ratio, element.clientHeight * ratio];
     if (size[0] < 1 || size[1] < 1 || told === size.join()) return;
+    if (!window.trame.state.get("opened")) return;
     told = size.join();
     ask("resize", size);
   }
@@ -151,7 +152,13 @@
     // After this turn: what is set while the page is mounted is not seen by it.
     setTimeout(() => state.set("theme", chosen || (dark ? "dark" : "light")));
     const link = window.location.search;
-    if (link.length > 1) ask("link", [link]);
+    let open = false;
+    state.watch(["opened"], (opened) => {
+      if (!opened || open) return; // before that nobody would answer
+      open = true;
+      measure(document.querySelector(".sv-middle"));
+      if (link.length > 1) ask("link", [link]);
+    });
     let first = true;
     state.watch(["query"], (query) => {
       if (!first) address(query || "");
