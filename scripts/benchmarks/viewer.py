@@ -45,15 +45,20 @@ subject = "186"
 site = "back of hand"
 """
 PICTURE = "[data-test=picture]"
+MOVES = {
+    "light_angle": [(37 * i) % 80 + 1 for i in range(110)],
+    "weight_0": [0.02 + 0.001 * ((37 * i) % 80) for i in range(110)],
+    "view_angle": [(37 * i) % 80 + 1 for i in range(110)],
+}
 
 # From a change of a control on the page until its picture has been decoded.
 MOVE = """
-async (angle) => {
+async ([name, value]) => {
   const image = document.querySelector('[data-test=picture]');
   const seen = new Promise((resolve) => image.addEventListener(
     'load', resolve, { once: true }));
   const begun = performance.now();
-  window.trame.state.set('light_angle', angle);
+  window.trame.state.set(name, value);
   await seen;
   await image.decode();
   return performance.now() - begun;
@@ -77,9 +82,7 @@ def main() -> None:
             runs = [first_picture(browser, scene) for _ in range(3)]
             figures["first picture after the command (s)"] = min(runs)
             opened = open_file(scene)
-            server, page = in_browser(browser, opened)
-            figures["slider to picture, server, median of 100 (ms)"] = server
-            figures["slider to picture, browser, median of 100 (ms)"] = page
+            figures |= in_browser(browser, opened)
             browser.close()
         if asked.moves:
             figures[f"growth over {asked.moves} random moves (MB)"] = growth(
@@ -115,8 +118,8 @@ def first_picture(browser, scene: Path) -> float:
     return round(taken, 2)
 
 
-def in_browser(browser, opened: Opened) -> tuple[float, float]:
-    """Return what a moved light takes on the server and until the page shows it."""
+def in_browser(browser, opened: Opened) -> dict[str, str]:
+    """Return what moves take on the server and until the page shows them."""
     ready, loop = threading.Event(), asyncio.new_event_loop()
     running, ended = [], asyncio.Event()
 
@@ -134,16 +137,23 @@ def in_browser(browser, opened: Opened) -> tuple[float, float]:
     page = browser.new_page(viewport=SIZE)
     page.goto(running[0].url)
     page.wait_for_selector(f"{PICTURE}[data-still=true]")
-    server, whole = [], []
-    for i in range(110):
-        whole.append(page.evaluate(MOVE, (37 * i) % 80 + 1))
-        server.append(page.evaluate("window.trame.state.get('quick_ms')"))
+    told = {}
+    for name, values in MOVES.items():
+        server, whole = [], []
+        for value in values:
+            whole.append(page.evaluate(MOVE, [name, value]))
+            server.append(page.evaluate("window.trame.state.get('quick_ms')"))
+        told[f"{name} moved, server (ms)"] = in_words(server[10:])
+        told[f"{name} moved, shown in the browser (ms)"] = in_words(whole[10:])
     page.close()
     loop.call_soon_threadsafe(ended.set)
     thread.join()
-    return round(statistics.median(server[10:]), 1), round(
-        statistics.median(whole[10:]), 1
-    )
+    return told
+
+
+def in_words(times: list[float]) -> str:
+    """Return the median and the least of some times."""
+    return f"{statistics.median(times):.1f}, least {min(times):.1f}"
 
 
 def growth(opened: Opened, n: int) -> float:

@@ -6,7 +6,7 @@ pixel, everything else exact.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from skinviz._threads import even_size, in_slices
 from skinviz.rendering import trace
 from skinviz.rendering.colour import display_matrix
 from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.lighting import Lighting
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.plan import Plan, cells
 from skinviz.rendering.shade import VertexSpectrum, parted
@@ -52,6 +53,7 @@ class HeldView:
     pixels: tuple[Whole, ...]
     hits: tuple[trace.Hits, ...]
     dark: Whole
+    _shadows: dict[bytes, dict[int, NDArray[np.uint8]]] = field(default_factory=dict)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -64,7 +66,7 @@ class HeldView:
 
     def xyz(self, stage: Stage) -> tuple[NDArray[np.float32], ...]:
         """Return the light (k, 3) of the pixels that show the mesh, in their parts."""
-        painter = Painter(stage)
+        painter = Painter(stage, self._lit_at)
         painter.prepare()
         light = [np.zeros((own.size, 3), np.float32) for own in self.pixels]
 
@@ -91,6 +93,18 @@ class HeldView:
 
         in_slices(work, len(light), 1)
         return shown.reshape(self.size[1], self.size[0], 3)
+
+    def _lit_at(
+        self, geometry: Geometry, lighting: Lighting, hits: trace.Hits
+    ) -> NDArray[np.uint8]:
+        """Return which lights points see; it is known while no light moves."""
+        place = lighting.lights.tobytes()
+        if place not in self._shadows:
+            self._shadows.clear()
+        known = self._shadows.setdefault(place, {})
+        if id(hits) not in known:
+            known[id(hits)] = trace.visibility_of(geometry, lighting, hits)
+        return known[id(hits)]
 
     def point(self, column: float, row: float) -> Array | None:
         """Return the point [mm] (3,) that the ray of a pixel hits, if any.

@@ -7,6 +7,7 @@ import pytest
 
 from meshes import sphere, tube, wave
 from skinviz import Camera, DirectionalLight, Scene, Skin, TorranceSparrow, render
+from skinviz.rendering import trace
 from skinviz.rendering.geometry import geometry_of
 from skinviz.rendering.held import ONE_RAY, hold, seen_point
 from skinviz.rendering.plan import cells
@@ -50,6 +51,21 @@ def test_light_that_moves_needs_no_new_rays(scene, held):
     moved = scene.replace(lights=(DirectionalLight([-1.0, 0.3, 0.5], "F11"),))
     rendered = render(moved, ONE_RAY)
     np.testing.assert_array_equal(held.rgb(held.stage(moved)), rendered.rgb)
+
+
+def test_skin_that_changes_casts_no_shadow_rays(scene, held, monkeypatch):
+    """And it shows what it should, also after the light has moved and come back."""
+    held.rgb(held.stage(scene))
+    asked = []
+    monkeypatch.setattr(trace, "visibility_of", lambda *given: asked.append(given))
+    other = scene.replace(skin=Skin(scene.skin.model, 2 * scene.skin.values))
+    shown = held.rgb(held.stage(other))
+    assert not asked
+    monkeypatch.undo()
+    np.testing.assert_array_equal(shown, render(other, ONE_RAY).rgb)
+    moved = scene.replace(lights=(DirectionalLight([-1.0, 0.3, 0.5]),))
+    held.rgb(held.stage(moved))
+    np.testing.assert_array_equal(held.rgb(held.stage(other)), shown)
 
 
 def test_a_point_has_the_light_of_its_pixel(scene, held):

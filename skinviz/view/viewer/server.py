@@ -173,6 +173,7 @@ async def serve(
     """
     ended = asyncio.Event()
     loop = asyncio.get_running_loop()
+    loop.set_exception_handler(_unless_gone)
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, ended.set)
     running = start(host=host, port=port)
@@ -192,6 +193,12 @@ async def serve(
     finally:
         await running.stop()
     say("viewer ended")
+
+
+def _unless_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Tell of what went wrong, but not that a browser went while it was sent to."""
+    if not isinstance(context.get("exception"), ConnectionError):
+        loop.default_exception_handler(context)
 
 
 def _opened_viewer(opening: Opening, server: Any) -> Viewer:
