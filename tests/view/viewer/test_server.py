@@ -14,6 +14,7 @@ from wslink_client import connected
 
 from skinviz.errors import SkinvizError
 from skinviz.view.viewer.guard import LARGEST_MESSAGE, is_known_name
+from skinviz.view.viewer.opened import open_file
 from skinviz.view.viewer.server import start
 
 REFUSED = (ConnectionError, aiohttp.WSServerHandshakeError)
@@ -430,6 +431,23 @@ def test_a_port_in_use_is_said():
         port = taken.getsockname()[1]
         with pytest.raises(SkinvizError, match="--port"):
             asyncio.run(twice(port))
+
+
+def test_what_cannot_be_opened_is_told_on_the_page(scene_file):
+    async def talk():
+        running = start()
+        await running.answering()
+        missing = scene_file.with_name("nowhere.toml")
+        with pytest.raises(SkinvizError, match="no such file"):
+            await running.show(lambda: open_file(missing))
+        with pytest.raises(SkinvizError):
+            _ = running.viewer
+        async with connected(running.url) as browser:
+            told = (await browser.call("trame.state.get"))["result"]["state"]
+            assert "no such file" in told["title"]
+        await running.stop()
+
+    asyncio.run(talk())
 
 
 def test_it_ends_while_browsers_look_on(run):

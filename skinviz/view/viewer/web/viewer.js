@@ -148,7 +148,7 @@
   function begin() {
     const state = window.trame.state;
     const dark = window.matchMedia("(prefers-color-scheme: dark)").matches;
-    const chosen = window.localStorage.getItem("skinviz-theme");
+    const chosen = remembered();
     // After this turn: what is set while the page is mounted is not seen by it.
     setTimeout(() => state.set("theme", chosen || (dark ? "dark" : "light")));
     const link = window.location.search;
@@ -170,8 +170,20 @@
   function theme() {
     const state = window.trame.state;
     const next = state.get("theme") === "dark" ? "light" : "dark";
-    window.localStorage.setItem("skinviz-theme", next);
     state.set("theme", next);
+    try {
+      window.localStorage.setItem("skinviz-theme", next);
+    } catch {
+      // A frame of another page may keep nothing.
+    }
+  }
+
+  function remembered() {
+    try {
+      return window.localStorage.getItem("skinviz-theme");
+    } catch {
+      return null;
+    }
   }
 
   async function copyCommand(name) {
