@@ -6,6 +6,9 @@ import time
 
 from _environment import ROOT, program, ready_python
 
+# A process takes up to 2 GiB. Tests that are left go to whoever is done first.
+IN_PARALLEL = ("-n", "auto", "--maxprocesses", "4", "--dist", "worksteal")
+
 
 def main() -> int:
     """Run format, lint, types, import contract and tests; stop at the first failure."""
@@ -15,7 +18,7 @@ def main() -> int:
         "lint": [program(python, "ruff"), "check", "."],
         "types": [program(python, "mypy")],
         "imports": [program(python, "lint-imports"), "--no-logo"],
-        "tests": [str(python), "-m", "pytest", "-q", *sys.argv[1:]],
+        "tests": [str(python), "-m", "pytest", "-q", *IN_PARALLEL, *sys.argv[1:]],
     }
     for name, command in checks.items():
         print(f"== {name}", flush=True)

@@ -54,6 +54,11 @@ if TYPE_CHECKING:
         line_lamp,
         read_illuminant,
     )
+    from skinviz.study.archive_study import archive_study
+    from skinviz.study.comparing import compare_study
+    from skinviz.study.comparison import Comparison
+    from skinviz.study.study import Study
+    from skinviz.study.study_file import read_study
     from skinviz.surface.cook_torrance import CookTorrance
     from skinviz.surface.fitted_lobe import LobeFit
     from skinviz.surface.gonio import read_gonio
@@ -62,6 +67,7 @@ if TYPE_CHECKING:
     from skinviz.surface.models import surface_model, surface_models
     from skinviz.surface.phong import Phong
     from skinviz.surface.torrance_sparrow import TorranceSparrow
+    from skinviz.view.gallery.catalogue import GalleryFigure, figure
     from skinviz.view.viewer.show import show
 
 # Loaded when first used, so that ``import skinviz`` costs next to nothing.
@@ -105,6 +111,11 @@ _HOME = {
     "load_archive": "spectra.archives",
     "read_spectra": "spectra.files",
     "write_spectra": "spectra.files",
+    "Comparison": "study.comparison",
+    "Study": "study.study",
+    "archive_study": "study.archive_study",
+    "compare_study": "study.comparing",
+    "read_study": "study.study_file",
     "SRGB": "spectra.display",
     "Display": "spectra.display",
     "measured_display": "spectra.display",
@@ -125,6 +136,8 @@ _HOME = {
     "surface_model": "surface.models",
     "surface_models": "surface.models",
     "TorranceSparrow": "surface.torrance_sparrow",
+    "GalleryFigure": "view.gallery.catalogue",
+    "figure": "view.gallery.catalogue",
     "show": "view.viewer.show",
 }
 

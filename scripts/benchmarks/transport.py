@@ -2,7 +2,8 @@
 
 The same tissue, twice: Kubelka–Munk with each rule for its coefficients, and
 adding–doubling (tests/oracles/transport.py). Prints the tables of docs/transport.md;
-with ``--docs docs`` also writes ``transport.csv`` and ``images/transport.png`` there.
+with ``--docs docs`` also writes ``images/transport.png`` there, and the CSV that
+``skinviz figure transport`` draws.
 Run in the development environment, on one thread so that the times compare:
 ``OPENBLAS_NUM_THREADS=1 python scripts/benchmarks/transport.py --docs docs``.
 """
@@ -38,6 +39,8 @@ from skinviz.skin.coefficients import body_sites
 from skinviz.skin.interface import interface
 from skinviz.skin.models import skin_model
 from skinviz.skin.scattering_rules import SCATTERING_RULES
+
+TABLE = Path(__file__).parents[2] / "skinviz" / "skin" / "data" / "transport.csv"
 
 CASES = {
     "body": "under no surface, diffuse light: R_b",
@@ -81,7 +84,7 @@ def compute() -> Results:
 def main() -> None:
     """Print every table; write the CSV and the figure where asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--docs", type=Path, help="folder for the CSV and the figure")
+    parser.add_argument("--docs", type=Path, help="folder for the figure")
     folder = parser.parse_args().docs
     start = time.perf_counter()
     print(
@@ -98,7 +101,7 @@ def main() -> None:
     anisotropy()
     speed()
     if folder is not None:
-        write_csv(folder / "transport.csv", results)
+        write_csv(TABLE, results)
         _transport_figure.draw(results, fitted, folder / "images" / "transport.png")
     print(f"\n{time.perf_counter() - start:.0f} s")
 

@@ -12,7 +12,9 @@ import cyclopts
 from skinviz import __version__
 from skinviz.cli.archive import archive
 from skinviz.cli.clean import clean
+from skinviz.cli.compare import compare
 from skinviz.cli.demo import demo
+from skinviz.cli.figure import figure
 from skinviz.cli.fit import fit
 from skinviz.cli.info import info
 from skinviz.cli.render import render
@@ -27,6 +29,8 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "simulate-scan": simulate_scan,
     "fit": fit,
     "render": render,
+    "compare": compare,
+    "figure": figure,
     "tradeoff": tradeoff,
     "view": view,
     "archive": archive,

@@ -10,6 +10,7 @@ import dataclasses
 import json
 import os
 import platform
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -106,9 +107,17 @@ def _cache_file() -> Path:
     """Return where the rates of this machine and version are kept."""
     from skinviz import __version__
 
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    base = os.environ.get("XDG_CACHE_HOME") or _home() / ".cache"
     name = f"rates-{__version__}-{platform.machine()}-{processors()}.json"
     return Path(base) / "skinviz" / name
+
+
+def _home() -> Path:
+    """Return the user's folder, or that for temporary files where they have none."""
+    try:
+        return Path.home()
+    except RuntimeError:  # a container's user that the system does not know
+        return Path(tempfile.gettempdir())
 
 
 def _read(file: Path) -> Rates | None:

@@ -119,7 +119,7 @@ def average_repeats(archive: xarray.Dataset) -> xarray.Dataset:
         own["record"].values[first],
         labels,
         own["wavelength"].values,
-        _means(own["reflectance"].values, which, counts.size),
+        set_means(own["reflectance"].values, which, counts.size),
         dict(archive.attrs),
     )
     flagged = np.zeros(counts.size, dtype=bool)
@@ -165,6 +165,28 @@ def common_bands(archive: xarray.Dataset) -> xarray.Dataset:
     return archive.isel(wavelength=np.flatnonzero(everywhere))
 
 
+def set_means(
+    values: NDArray[np.float64], which: NDArray[np.int64], n_sets: int
+) -> NDArray[np.float64]:
+    """Return the mean (sets, m) of each set's numbers, NaN left out.
+
+    Parameters
+    ----------
+    values : (n, m) ndarray
+        Spectra, or what else was measured; NaN where it was not.
+    which : (n,) ndarray of int
+        The set of each.
+    n_sets : int
+        How many sets there are.
+    """
+    measured = np.isfinite(values)
+    total = np.zeros((n_sets, values.shape[1]))
+    count = np.zeros_like(total)
+    np.add.at(total, which, np.where(measured, values, 0.0))
+    np.add.at(count, which, measured)
+    return np.asarray(np.where(count, total / np.maximum(count, 1), np.nan))
+
+
 def _require_label(value: str, own: NDArray[np.str_], label: str) -> None:
     """Refuse a label that no record has, naming those there are."""
     known = np.unique(own)
@@ -196,15 +218,3 @@ def _agreed(
     agreed = values[first].copy()
     agreed[which[values != agreed[which]]] = ""
     return np.asarray(agreed)
-
-
-def _means(
-    reflectance: NDArray[np.float64], which: NDArray[np.int64], n_sets: int
-) -> NDArray[np.float64]:
-    """Return the mean spectrum (sets, bands) of each set's measured bands."""
-    measured = np.isfinite(reflectance)
-    total = np.zeros((n_sets, reflectance.shape[1]))
-    count = np.zeros_like(total)
-    np.add.at(total, which, np.where(measured, reflectance, 0.0))
-    np.add.at(count, which, measured)
-    return np.asarray(np.where(count, total / np.maximum(count, 1), np.nan))

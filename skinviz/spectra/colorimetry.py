@@ -140,6 +140,16 @@ def xyz_to_lab(xyz: ArrayLike, white: ArrayLike) -> Array:
     return np.stack([L, a, b], axis=-1)
 
 
+def lab_to_xyz(lab: ArrayLike, white: ArrayLike) -> Array:
+    """Return XYZ for CIELAB and a white's XYZ, on the white's scale. CIE 15:2004."""
+    L, a, b = np.moveaxis(np.asarray(lab, dtype=np.float64), -1, 0)
+    y = (L + 16) / 116
+    f = np.stack([y + a / 500, y, y - b / 200], axis=-1)
+    limit = 6 / 29
+    ratio = np.where(f > limit, f**3, 3 * limit**2 * (f - 4 / 29))
+    return np.asarray(ratio * np.asarray(white, dtype=np.float64))
+
+
 def delta_e_2000(lab: ArrayLike, other: ArrayLike) -> Array:
     """Return the colour difference ΔE00 of CIELAB colours.
 

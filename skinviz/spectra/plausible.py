@@ -83,7 +83,7 @@ def require_list(
                 f"{by.where}, spectrum {labels[record]!r} at {wavelengths[band]:g} nm: "
                 f"{values[record, band]:g} {why}"
             )
-    _require_not_fractions(float(np.nanmax(values, initial=-np.inf)), by)
+    _require_not_fractions(_largest(values), by)
 
 
 def require_cube(
@@ -108,12 +108,21 @@ def require_cube(
             )
         high += int((part > _HIGHEST * by.full).sum())
         counted += int((~np.isnan(part)).sum())
-        largest = max(largest, float(np.nanmax(part, initial=-np.inf)))
+        largest = max(largest, _largest(part))
     if 2 * high > counted:
         raise by.error(
             f"{by.where}: {high} of {counted} values are above {_too_high(by)}"
         )
     _require_not_fractions(largest, by)
+
+
+def _largest(values: NDArray[Any]) -> float:
+    """Return the largest value that is a number, -inf if none is.
+
+    ``numpy.nanmax`` takes the NaNs that signal, which broken files hold, for numbers
+    on some processors.
+    """
+    return float(np.max(values, where=~np.isnan(values), initial=-np.inf))
 
 
 def _inside(wavelengths: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -211,12 +211,21 @@ def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
-    """Write a figure as PNG, SVG or PDF, whole or not at all, with no time stamp."""
+def save_figure(
+    figure: Figure, path: str | os.PathLike[str], *, dots: float | None = None
+) -> Path:
+    """Write a figure as PNG, SVG or PDF, whole or not at all, with no time stamp.
+
+    ``dots`` per inch of a PNG; the figure's own if not said.
+    """
+    import matplotlib as mpl
+
     file = Path(path)
     suffix = one_of(file.suffix.lower(), _TIME_STAMPS, "suffix of a figure")
-    with whole_file(file) as partial:
-        figure.savefig(partial, metadata={_TIME_STAMPS[suffix]: None})
+    with whole_file(file) as partial, mpl.rc_context({"svg.hashsalt": "skinviz"}):
+        figure.savefig(
+            partial, metadata={_TIME_STAMPS[suffix]: None}, dpi=dots or "figure"
+        )
     return file
 
 

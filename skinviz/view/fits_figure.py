@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.colorimetry import encode_srgb, xyz_to_linear_srgb
 from skinviz.view import panels
+from skinviz.view.page import EDGE, STYLE, Cells, Margins, align_ylabels, lay_out, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,10 +28,10 @@ STYLES = (
 )
 """Colour and dashes of each model's curve, told apart also by the colour-blind."""
 
-_RC: dict[Any, Any] = {"font.size": 9, "axes.linewidth": 0.7, "legend.fontsize": 8}
-_COLUMN, _LEFT, _RIGHT, _BETWEEN = 2.9, 0.85, 0.25, 0.75  # inches
+_COLUMN, _BETWEEN = 2.9, 0.14  # inches: a panel, and what is free at its right
 _CURVES, _RESIDUAL, _SWATCH, _LINE = 2.3, 1.0, 0.3, 0.155  # inches
-_TITLE, _WORDS, _CAPTION = 0.2, 0.095, 0.0585  # inches: a line; a letter; a small one
+_GAPS = (0.15, 0.6, 0.3)  # inches: under curves, residuals and colours
+_LEFT = 0.72  # inches: for the words at the left of a panel
 _LONGEST = 42  # letters of a spectrum's name that fit over its column
 _CLEAR = 0.02  # least reflectance that an axis spans
 
@@ -56,71 +56,33 @@ def fits_figure(spectra: Sequence[FittedSpectrum], title: str, caption: str) -> 
         Printed above and below, wrapped.
     """
     import matplotlib as mpl
-    from matplotlib.figure import Figure
 
     n = len(spectra)
-    width = _LEFT + n * _COLUMN + (n - 1) * _BETWEEN + _RIGHT
-    above = textwrap.wrap(title, int((width - 0.2) / _WORDS))
-    below = textwrap.wrap(caption, int((width - 0.2) / _CAPTION))
     words = max(len(_numbers(spectrum.fits)) for spectrum in spectra)
-    tall = [
-        0.45 + _TITLE * len(above),
-        _CURVES + 0.15,
-        _RESIDUAL + 0.62,
-        _SWATCH + 0.3,
-        _LINE * words + 0.12,
-    ]
-    tops = np.cumsum(tall)  # from the top down, in inches
+    block = Cells(
+        n,
+        (_CURVES, _RESIDUAL, _SWATCH, _LINE * words),
+        gap=_GAPS,
+        least=_COLUMN,
+        margins=Margins(left=_LEFT, right=_BETWEEN, top=0.3, bottom=0.12),
+    )
+    width = 2 * EDGE + n * (_LEFT + _COLUMN + _BETWEEN) + 0.01
     highest = max(_highest(spectrum) for spectrum in spectra)
     room = 1.2 + 0.085 * ((len(spectra[0].fits) + 2) // 2)  # rows of the legend
     spread = max(_spread(spectrum) for spectrum in spectra)
-    with mpl.rc_context(_RC):
-        height = tops[-1] + 0.14 * len(below) + 0.12
-        figure = Figure(figsize=(width, height), dpi=150)
-        for column, spectrum in enumerate(spectra):
-            left = _LEFT + column * (_COLUMN + _BETWEEN)
-            curves, residual = _draw_column(figure, spectrum, left, tops)
+    with mpl.rc_context(STYLE):
+        page = lay_out(width, [block], title=title, caption=caption)
+        for spectrum, cell in zip(spectra, page.blocks[0], strict=True):
+            curves, residual, colours, told = cell
+            _draw_curves(curves, spectrum)
             curves.set_ylim(0, room * highest)
+            _draw_residuals(residual, spectrum)
             residual.set_ylim(-spread, spread)
-        _say(figure, (0.1, 0.12), above, fontsize=11)
-        _say(figure, (0.1, tops[4]), below, fontsize=7.5, color="0.35")
-    return figure
-
-
-def _draw_column(
-    figure: Figure, spectrum: FittedSpectrum, left: float, tops: Array
-) -> tuple[Axes, Axes]:
-    """Draw all of one spectrum; return the axes of its curves and residuals."""
-    width, height = figure.get_size_inches()
-
-    def axes_at(top: float, tall: float) -> Axes:
-        bottom = 1 - (top + tall) / height
-        return figure.add_axes((left / width, bottom, _COLUMN / width, tall / height))
-
-    curves, residual = axes_at(tops[0], _CURVES), axes_at(tops[1], _RESIDUAL)
-    _draw_curves(curves, spectrum)
-    _draw_residuals(residual, spectrum)
-    for axes in (curves, residual):
-        axes.yaxis.set_label_coords(-0.165, 0.5)
-    _draw_colours(axes_at(tops[2], _SWATCH), spectrum)
-    _say(
-        figure,
-        (left, tops[3]),
-        _numbers(spectrum.fits),
-        fontsize=7.5,
-        family="monospace",
-        linespacing=_LINE * 72 / 7.5 / 1.164,  # 1.164: this font's own
-    )
-    return curves, residual
-
-
-def _say(
-    figure: Figure, at: tuple[float, float], lines: Sequence[str], **how: Any
-) -> None:
-    """Write lines, their upper left corner some inches from the figure's."""
-    width, height = figure.get_size_inches()
-    x, y = at[0] / width, 1 - at[1] / height
-    figure.text(x, y, "\n".join(lines), va="top", parse_math=False, **how)
+            align_ylabels([curves, residual])
+            _draw_colours(colours, spectrum)
+            told.set_axis_off()
+            _write_numbers(page.figure, told, spectrum.fits)
+    return page.figure
 
 
 def _draw_curves(axes: Axes, spectrum: FittedSpectrum) -> None:
@@ -174,6 +136,14 @@ def _draw_colours(axes: Axes, spectrum: FittedSpectrum) -> None:
     axes.set_xticks(np.arange(len(names)) + 0.5, names, fontsize=size)
     axes.set_yticks([])
     axes.tick_params(length=0, pad=2)
+
+
+def _write_numbers(figure: Figure, axes: Axes, fits: Sequence[SkinFit]) -> None:
+    """Write the numbers below a spectrum, from the upper left corner of axes."""
+    width, height = figure.get_size_inches()
+    box = axes.get_position()
+    at = (box.x0 * width, (1 - box.y1) * height)
+    write(figure, _numbers(fits), at, _LINE, fontsize=7.5, family="monospace")
 
 
 def _numbers(fits: Sequence[SkinFit]) -> list[str]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +16,11 @@ from skinviz.spectra.colorimetry import (
     spectrum_to_xyz,
     xyz_to_linear_srgb,
 )
+from skinviz.view.page import inches_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.transforms import Bbox
 
 Array = NDArray[np.float64]
 
@@ -25,6 +28,7 @@ MEASURED, FITTED, SPECULAR = "#1a1a1a", "#c8452d", "#2d6fc8"
 """Colours of the curves, told apart also by the colour-blind and by their dashes."""
 
 _VISIBLE = (400.0, 700.0)
+_TICKS_FIT = 1.9  # inches, from which a wavelength every 50 nm can be read
 _STRIP = 5.0  # points: height of the colours under the wavelength axis
 
 
@@ -86,14 +90,15 @@ def radiance_panel(axes: Axes, spectrum: VertexSpectrum) -> None:
 def wavelength_axis(axes: Axes, *, labelled: bool = True) -> None:
     """Set the wavelength axis to 400–700 nm, the visible colours under it."""
     axes.set_xlim(*_VISIBLE)
-    axes.set_xticks(np.arange(400, 701, 50))
+    step = 50 if inches_of(axes)[0] > _TICKS_FIT else 100
+    axes.set_xticks(np.arange(400, 701, step))
     axes.grid(visible=True, color="0.92", lw=0.6)
     axes.set_axisbelow(True)
     if not labelled:
         axes.tick_params(axis="x", labelbottom=False)
         return
-    points = 72 / axes.figure.dpi * axes.get_window_extent().height
-    strip = axes.inset_axes((0.0, -_STRIP / points, 1.0, _STRIP / points))
+    strip = axes.inset_axes((0.0, 0.0, 1.0, 0.0))
+    strip.set_axes_locator(partial(_under, axes))
     strip.imshow(
         spectral_colours(np.linspace(*_VISIBLE, 301))[None],
         aspect="auto",
@@ -102,6 +107,15 @@ def wavelength_axis(axes: Axes, *, labelled: bool = True) -> None:
     strip.set_axis_off()
     axes.tick_params(axis="x", length=0, pad=_STRIP + 3)
     axes.set_xlabel("wavelength (nm)", labelpad=2)
+
+
+def _under(axes: Axes, *_: Any) -> Bbox:
+    """Return where the strip under axes is, whatever their size has become."""
+    from matplotlib.transforms import Bbox
+
+    box = axes.get_position()
+    height = _STRIP / 72 * axes.figure.dpi / axes.figure.bbox.height
+    return Bbox.from_bounds(box.x0, box.y0 - height, box.width, height)
 
 
 def spectral_colours(wavelengths: Array) -> Array:

@@ -181,6 +181,22 @@ def test_a_full_disk_costs_a_moment_each_time(folder, measured, monkeypatch):
     assert not list((folder / "skinviz").iterdir())
 
 
+def test_a_user_without_a_folder_keeps_rates_with_temporary_files(
+    tmp_path, measured, monkeypatch
+):
+    def unknown(_):
+        raise KeyError
+
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr("pwd.getpwuid", unknown)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    machine_rates()
+    again()
+    assert len(measured) == 1
+    assert list((tmp_path / ".cache" / "skinviz").iterdir())
+
+
 # Measured -----------------------------------------------------------------------
 
 

@@ -17,6 +17,7 @@ from skinviz.spectra.colorimetry import (
     decode_srgb,
     delta_e_2000,
     encode_srgb,
+    lab_to_xyz,
     spectrum_to_xyz,
     xyz_to_lab,
     xyz_to_linear_srgb,
@@ -234,6 +235,15 @@ def test_white_and_black_are_grey():
     white = np.array([0.9, 1.0, 0.4])
     assert_allclose(xyz_to_lab(white, white), [100, 0, 0], atol=1e-12)
     assert_allclose(xyz_to_lab([0, 0, 0], white), [0, 0, 0], atol=1e-12)
+
+
+def test_lab_and_back(colour):
+    white = np.array([0.9505, 1.0, 1.089])
+    dark_and_light = np.geomspace(1e-6, 1.2, 40)[:, None] * [1.05, 1.0, 0.8]
+    lab = xyz_to_lab(dark_and_light, white)
+    assert_allclose(lab_to_xyz(lab, white), dark_and_light, rtol=1e-12, atol=1e-16)
+    expected = colour.Lab_to_XYZ(lab, colour.XYZ_to_xy(white))
+    assert_allclose(lab_to_xyz(lab, white), expected, rtol=1e-9, atol=1e-9)
 
 
 def test_lab_depends_on_the_ratio_to_white_alone():

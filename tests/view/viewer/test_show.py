@@ -18,7 +18,7 @@ def notebook(monkeypatch):
     """Stand in for IPython in the kernel of a notebook."""
     shell, display = ModuleType("IPython"), ModuleType("IPython.display")
     shell.get_ipython = lambda: SimpleNamespace(kernel=object())
-    display.IFrame = lambda url, width, height: SimpleNamespace(url=url, height=height)
+    display.IFrame = lambda url, _, height: SimpleNamespace(url=url, height=height)
     monkeypatch.setitem(sys.modules, "IPython", shell)
     monkeypatch.setitem(sys.modules, "IPython.display", display)
     return shell
@@ -54,7 +54,7 @@ def test_a_notebook_gets_a_frame_that_answers(opened, notebook):
 
 def test_a_terminal_of_ipython_is_no_notebook(notebook):
     assert in_notebook()
-    notebook.get_ipython = lambda: SimpleNamespace()
+    notebook.get_ipython = SimpleNamespace
     assert not in_notebook()
     notebook.get_ipython = lambda: None
     assert not in_notebook()
