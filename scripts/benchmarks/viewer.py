@@ -28,7 +28,7 @@ from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
 from skinviz.surface.models import surface_models
 from skinviz.view.viewer.app import Viewer
 from skinviz.view.viewer.controls import with_surface
-from skinviz.view.viewer.opened import Opened, open_file
+from skinviz.view.viewer.opened import Opened, open_path
 from skinviz.view.viewer.server import start
 from skinviz.view.viewer.state import ViewState
 
@@ -81,7 +81,7 @@ def main() -> None:
             # Started once before: compiled code is kept from then on.
             runs = [first_picture(browser, scene) for _ in range(3)]
             figures["first picture after the command (s)"] = min(runs)
-            opened = open_file(scene)
+            opened = open_path(scene)
             figures |= in_browser(browser, opened)
             browser.close()
         if asked.moves:

@@ -33,7 +33,8 @@ def view(
     Parameters
     ----------
     scene
-        Scene file (TOML). Without it the shipped hand is shown.
+        Scene file (TOML), or the folder of a study, whose subjects can be chosen.
+        Without it the shipped hand is shown.
     host
         Address to listen on. The usual one can be reached from this machine alone,
         as it should be: from elsewhere, use an SSH tunnel to it.
@@ -50,7 +51,7 @@ def view(
     from skinviz._files import existing_file
     from skinviz.errors import DataError
 
-    if scene is not None:
+    if scene is not None and not scene.is_dir():
         existing_file(scene, DataError)  # before a page is opened
     if native:
         from skinviz.view.viewer.native import show_window
@@ -71,10 +72,10 @@ def view(
 
 
 def _open(scene: Path | None) -> Opened:
-    """Open a scene file, or the shipped hand."""
-    from skinviz.view.viewer.opened import open_file
+    """Open a scene file, a study, or the shipped hand."""
+    from skinviz.view.viewer.opened import open_path
 
-    return open_file(scene)
+    return open_path(scene)
 
 
 def _say_now(text: str) -> None:

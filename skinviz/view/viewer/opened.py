@@ -19,9 +19,16 @@ from skinviz.scene.scene import Scene, Skin
 from skinviz.scene.scene_file import named, read_scene_content, scene_from
 from skinviz.scene.scene_skin import skin_of
 from skinviz.spectra.archives import load_archive
+from skinviz.study.study_file import read_study
 from skinviz.surface.models import surface_parameters
 from skinviz.surface.surface import Surface
-from skinviz.view.viewer.samples import ArchiveSamples, Sample, Samples
+from skinviz.view.viewer.samples import (
+    ANY_GROUP,
+    ArchiveSamples,
+    Sample,
+    Samples,
+    StudySamples,
+)
 from skinviz.view.viewer.state import ViewState
 from skinviz.view.viewer.turning import angles_of, view_of
 
@@ -88,22 +95,39 @@ class Opened:
         return initial_state(self.scene, self.geometry, self.frame)
 
 
-def open_file(path: Path | None) -> Opened:
-    """Open a scene file, or the shipped hand.
+def open_path(path: Path | None) -> Opened:
+    """Open a scene file, the folder of a study, or the shipped hand.
 
     Raises
     ------
     SkinvizError
-        As :func:`skinviz.read_scene`.
+        As :func:`skinviz.read_scene` or :func:`skinviz.read_study`.
     """
     if path is None:
-        mesh = {"path": str(shipped_mesh(TRUE_SHAPE)), "unit": "m"}
-        return _from_content("shipped hand", {"mesh": mesh, **_DEMO}, Path.cwd())
+        return _from_content("shipped hand", {"mesh": _shipped(), **_DEMO}, Path.cwd())
+    if path.is_dir():
+        return _open_study(path)
     content = read_scene_content(path)
     try:
         return _from_content(path.name, content, path.parent.resolve())
     except SkinvizError as error:
         raise named(error, path) from error
+
+
+def _open_study(folder: Path) -> Opened:
+    """Open a study: the shipped hand, in the skin of its first subject."""
+    samples = StudySamples(read_study(folder))
+    person = samples.people(ANY_GROUP)[0]
+    own = samples.sample(person, samples.sites(person)[0])
+    content = {"mesh": _shipped(), "skin": own.table}
+    scene = scene_from(content, folder, own.skin)
+    title = samples.study.title
+    return Opened(title, scene, own, samples, folder.resolve(), content)
+
+
+def _shipped() -> dict[str, Any]:
+    """Return what a scene file says of the shipped hand."""
+    return {"path": str(shipped_mesh(TRUE_SHAPE)), "unit": "m"}
 
 
 def open_scene(scene: Scene) -> Opened:

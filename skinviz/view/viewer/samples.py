@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
@@ -9,12 +10,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from skinviz.errors import DataError
 from skinviz.scene.scene import Skin
 from skinviz.scene.scene_skin import archive_spectrum
 from skinviz.skin.fit import fit_skin
+from skinviz.skin.model import SkinModel
 from skinviz.skin.models import skin_model
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.archive_selection import people
+from skinviz.study.study import Study
 
 if TYPE_CHECKING:
     import xarray
@@ -129,17 +133,94 @@ class ArchiveSamples:
         specular = self.options.get("specular", measured.attrs["specular"])
         name = self.options.get("model", "two-layer")
         model = skin_model(name, specular=specular, **options)
-        fit = fit_skin(measured.values, measured.wavelength.values, model)
         table = {**self.options, "archive": self.name, **who}
-        inside = np.isin(measured.wavelength.values, fit.wavelengths)
-        return Sample(
-            f"{person} {site}",
-            Skin.from_fit(fit),
-            fit,
-            measured.values[inside],
-            fit.interval,
-            table,
-        )
+        return _fitted(f"{person} {site}", measured, model, table)
+
+
+@dataclass(frozen=True, eq=False)
+class StudySamples:
+    """The subjects of a study; conditions are told with the site.
+
+    Attributes
+    ----------
+    study : Study
+        From :func:`skinviz.study.study_file.read_study`.
+    """
+
+    study: Study
+
+    def groups(self) -> list[str]:
+        """Return the groups of subjects that there are."""
+        return sorted({group for group in self.study.levels("group") if group})
+
+    def people(self, group: str) -> list[str]:
+        """Return the subjects of a group, or all."""
+        if group == ANY_GROUP:
+            return list(self.study.levels("subject"))
+        own = self.study.spectra["group"].values == group
+        subjects = self.study.spectra["subject"].values[own]
+        return [str(name) for name in dict.fromkeys(subjects.tolist())]
+
+    def sites(self, person: str) -> list[str]:
+        """Return where, and in which conditions, a subject was measured."""
+        own = self.study.spectra["subject"].values == person
+        return list(dict.fromkeys(self._places[own].tolist()))
+
+    def sample(self, person: str, site: str) -> Sample:
+        """Fit the mean of a subject's repeats at a site.
+
+        Raises
+        ------
+        SkinvizError
+            If there is none, or it cannot be fitted.
+        """
+        spectra = self.study.spectra
+        own = (spectra["subject"].values == person) & (self._places == site)
+        if not own.any():
+            raise DataError(
+                f"the study has no spectrum of {person!r} at {site!r}; there are "
+                f"{', '.join(self.sites(person)) or 'none of this subject'}"
+            )
+        some = spectra.reflectance.isel(record=np.flatnonzero(own))
+        thickness = self.study.layers[str(some["site"].values[0])]
+        model = skin_model(specular=self.study.specular, thickness=thickness)
+        found = _fitted(f"{person} {site}", some.mean("record"), model, {})
+        return dataclasses.replace(found, table=weights_table(found.skin))
+
+    @cached_property
+    def _places(self) -> NDArray[Any]:
+        """Site and condition of each record."""
+        names = [
+            f"{site}, {condition}" if condition else str(site)
+            for site, condition in zip(
+                self.study.spectra["site"].values,
+                self.study.spectra["condition"].values,
+                strict=True,
+            )
+        ]
+        return np.array(names, dtype=object)
 
 
 _MODEL = ("thickness", "coefficients", "free")
+
+
+def weights_table(skin: Skin) -> dict[str, Any]:
+    """Return what a scene file's ``[skin]`` says of uniform skin, by its weights."""
+    model = skin.model
+    return {
+        "weights": skin.values.tolist(),
+        "model": model.name,
+        "specular": model.specular,
+        "thickness": list(model.thickness),
+        "coefficients": model.coefficients.name,
+    }
+
+
+def _fitted(
+    name: str, measured: xarray.DataArray, model: SkinModel, table: dict[str, Any]
+) -> Sample:
+    """Return a measured spectrum with its fit."""
+    fit = fit_skin(measured.values, measured.wavelength.values, model)
+    inside = np.isin(measured.wavelength.values, fit.wavelengths)
+    skin = Skin.from_fit(fit)
+    return Sample(name, skin, fit, measured.values[inside], fit.interval, table)

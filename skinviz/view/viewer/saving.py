@@ -16,9 +16,10 @@ from skinviz.errors import ArgumentError
 from skinviz.rendering.render import render
 from skinviz.scene.scene import Scene
 from skinviz.view.figures import Site, hands_figure, save_figure
-from skinviz.view.viewer.opened import WIDTHS, Opened, has
+from skinviz.view.viewer.opened import WIDTHS, Opened, as_shown, has
 from skinviz.view.viewer.pictures import Shown
 from skinviz.view.viewer.readings import readings_of
+from skinviz.view.viewer.samples import weights_table
 from skinviz.view.viewer.shown import index_value
 from skinviz.view.viewer.state import ViewState
 
@@ -174,21 +175,15 @@ def _skin_table(shown: Shown) -> dict[str, Any]:
     sample, look = shown.samples[shown.state.active], shown.state.look
     if not look.weights:
         return dict(sample.table)
-    model = sample.skin.model
     if sample.skin.values.ndim == 2:
         raise ArgumentError(
             "a scene file cannot say scaled maps of pigments; undo the change of the "
             "weights"
         )
-    own = {"free": list(sample.table["free"])} if "free" in sample.table else {}
-    return {
-        "weights": list(look.weights),
-        "model": model.name,
-        "specular": model.specular,
-        "thickness": list(model.thickness),
-        "coefficients": sample.table.get("coefficients", model.coefficients.name),
-        **own,
-    }
+    table = weights_table(as_shown(sample, look.weights))
+    # By the name that the file has for them, which may be a path.
+    named = ("coefficients", "free")
+    return table | {key: sample.table[key] for key in named if key in sample.table}
 
 
 def _surface_table(state: ViewState, scene: Scene) -> dict[str, Any]:

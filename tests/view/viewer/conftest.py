@@ -6,7 +6,7 @@ import pytest
 
 from meshes import sphere
 from skinviz.scan.formats import write_mesh
-from skinviz.view.viewer.opened import open_file
+from skinviz.view.viewer.opened import open_path
 from skinviz.view.viewer.pictures import Darkroom
 from skinviz.view.viewer.readings import mark_at
 
@@ -43,7 +43,7 @@ def scene_file(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def opened(scene_file):
-    return open_file(scene_file)
+    return open_path(scene_file)
 
 
 @pytest.fixture

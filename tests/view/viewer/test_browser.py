@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from skinviz.view.viewer.opened import open_file
+from skinviz.view.viewer.opened import open_path
 from skinviz.view.viewer.server import start
 
 pytestmark = pytest.mark.browser
@@ -48,7 +48,7 @@ def served(opened):
 
 @pytest.fixture(scope="module")
 def running(tmp_path_factory):
-    opened = open_file(None)
+    opened = open_path(None)
     folder = tmp_path_factory.mktemp("saved")
     with served(dataclasses.replace(opened, folder=folder)) as serving:
         yield serving

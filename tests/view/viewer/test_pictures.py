@@ -11,7 +11,7 @@ from skinviz.errors import SkinvizError
 from skinviz.rendering.held import ONE_RAY
 from skinviz.rendering.tolerance import colour_differences
 from skinviz.view.viewer.controls import with_preset, with_surface
-from skinviz.view.viewer.opened import open_file, open_scene
+from skinviz.view.viewer.opened import open_path, open_scene
 from skinviz.view.viewer.pictures import Darkroom, jpeg, nice_above, png
 from skinviz.view.viewer.shown import camera_of
 from skinviz.view.viewer.state import Look
@@ -34,7 +34,7 @@ def test_at_first_the_scene_is_shown_as_it_is(opened, darkroom, scene_file):
 
 
 def test_without_a_file_the_shipped_hand_is_shown():
-    hand = open_file(None)
+    hand = open_path(None)
     assert hand.own.fit is not None
     assert hand.scene.mesh.n_points > 20000
 

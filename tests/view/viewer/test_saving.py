@@ -10,7 +10,7 @@ from skinviz import read_scene
 from skinviz.cli.main import main
 from skinviz.errors import SkinvizError
 from skinviz.view.viewer.controls import with_surface
-from skinviz.view.viewer.opened import open_file, open_scene
+from skinviz.view.viewer.opened import open_path, open_scene
 from skinviz.view.viewer.pictures import Darkroom
 from skinviz.view.viewer.readings import mark_at
 from skinviz.view.viewer.saving import (
@@ -33,7 +33,7 @@ def saved_again(opened, state, tmp_path, scene_file):
     text = toml_text(scene_content(opened, shown))
     again = tmp_path / "again.toml"
     again.write_text(text.replace("ball.ply", str(scene_file.with_name("ball.ply"))))
-    reopened = open_file(again)
+    reopened = open_path(again)
     return shown, Darkroom(reopened).quick(reopened.initial, SIZE), reopened
 
 
@@ -84,7 +84,7 @@ def test_of_several_hands_the_active_one_is_saved(opened, tmp_path, scene_file):
 def test_the_command_draws_the_saved_scene(scene_file, tmp_path, monkeypatch, capsys):
     (tmp_path / "ball.ply").write_bytes(scene_file.with_name("ball.ply").read_bytes())
     (tmp_path / "ball.toml").write_bytes(scene_file.read_bytes())
-    opened = open_file(tmp_path / "ball.toml")
+    opened = open_path(tmp_path / "ball.toml")
     state = opened.initial.replace(illuminant="A", tolerance=2.0)
     shown = Darkroom(opened).quick(state, SIZE)
     file = save_scene(opened, shown, "by hand.toml")

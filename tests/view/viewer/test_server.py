@@ -14,7 +14,7 @@ from wslink_client import connected
 
 from skinviz.errors import SkinvizError
 from skinviz.view.viewer.guard import LARGEST_MESSAGE, is_known_name
-from skinviz.view.viewer.opened import open_file
+from skinviz.view.viewer.opened import open_path
 from skinviz.view.viewer.server import start
 
 REFUSED = (ConnectionError, aiohttp.WSServerHandshakeError)
@@ -439,7 +439,7 @@ def test_what_cannot_be_opened_is_told_on_the_page(scene_file):
         await running.answering()
         missing = scene_file.with_name("nowhere.toml")
         with pytest.raises(SkinvizError, match="no such file"):
-            await running.show(lambda: open_file(missing))
+            await running.show(lambda: open_path(missing))
         with pytest.raises(SkinvizError):
             _ = running.viewer
         async with connected(running.url) as browser:
