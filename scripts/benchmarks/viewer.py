@@ -76,7 +76,8 @@ def main() -> None:
         scene = large_scene(Path(folder))
         with sync_playwright() as playwright:
             browser = playwright.chromium.launch(
-                executable_path=shutil.which("chromium"), args=["--no-sandbox"]
+                executable_path=shutil.which("chromium"),
+                args=["--no-sandbox", "--disable-dev-shm-usage"],
             )
             # Started once before: compiled code is kept from then on.
             runs = [first_picture(browser, scene) for _ in range(3)]

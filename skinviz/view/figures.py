@@ -37,10 +37,29 @@ class Site:
     fit: SkinFit
 
 
+@dataclass(frozen=True, eq=False)
+class MarkedPoint:
+    """A point of a hand and the light that it sends.
+
+    Attributes
+    ----------
+    point : (3,) ndarray
+        [mm]
+    spectrum : VertexSpectrum
+        Its radiance.
+    picture : str
+        Title of the picture in which it is drawn; "" for all.
+    """
+
+    point: Array
+    spectrum: VertexSpectrum
+    picture: str = ""
+
+
 def hands_figure(
     pictures: Mapping[str, Rendering],
     site: Site | None,
-    marks: Sequence[tuple[Array, VertexSpectrum]],
+    marks: Sequence[MarkedPoint],
     caption: str,
 ) -> Figure:
     """Return hands under several lights beside the spectra behind them.
@@ -51,9 +70,8 @@ def hands_figure(
         Title and picture, left to right; all of one view.
     site : Site or None
         The measured spectrum and its fit, where there is one.
-    marks : sequence of ((3,) ndarray, VertexSpectrum)
-        Marked points [mm], drawn in every picture, and their radiance: one under the
-        first light, called P, or two, A and B.
+    marks : sequence of MarkedPoint
+        One, called P, or two, A and B; none are drawn without.
     caption : str
         Printed below: what it is and where the data come from.
     """
@@ -62,8 +80,10 @@ def hands_figure(
 
     names = "P" if len(marks) == 1 else "AB"
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(13.2, 6.6), dpi=150)
+        tall = site is not None and len(marks) > 1
         beside = site is not None or bool(marks)
+        width = 13.2 if beside else min(max(7.0, 4.4 * len(pictures)), 13.2)
+        figure = Figure(figsize=(width, 8.6 if tall else 6.6), dpi=150)
         hands = figure.add_gridspec(
             1,
             len(pictures),
@@ -78,8 +98,9 @@ def hands_figure(
             axes.imshow(picture.rgb, interpolation="antialiased")
             axes.set_title(title, parse_math=False)
             axes.set_axis_off()
-            for name, (point, _) in zip(names, marks, strict=False):
-                _mark(axes, picture.view.project(point), name)
+            for name, mark in zip(names, marks, strict=False):
+                if mark.picture in ("", title):
+                    _mark(axes, picture.view.project(mark.point), name)
         if beside:
             _spectra_beside(figure, site, dict(zip(names, marks, strict=False)))
         figure.text(
@@ -111,12 +132,13 @@ def _mark(axes: Axes, place: Array, name: str) -> None:
 
 
 def _spectra_beside(
-    figure: Figure, site: Site | None, marks: Mapping[str, tuple[Array, VertexSpectrum]]
+    figure: Figure, site: Site | None, marks: Mapping[str, MarkedPoint]
 ) -> None:
     """Draw the measured spectrum and the marks' radiance, one below the other."""
     heights = [] if site is None else [1.5, 0.8]
     for _ in marks:
-        heights += [0.12, 1.2] if heights else [1.2]  # a gap above each
+        gap = 0.12 if len(marks) == 1 else 0.3
+        heights += [gap, 1.2] if heights else [1.2]
     sides = figure.add_gridspec(
         len(heights),
         1,
@@ -128,10 +150,10 @@ def _spectra_beside(
         height_ratios=heights,
     )
     panels_drawn = [] if site is None else _site_beside(figure, sides, site)
-    for i, (name, (_, spectrum)) in enumerate(marks.items()):
+    for i, (name, mark) in enumerate(marks.items()):
         row = len(heights) - 1 - 2 * (len(marks) - 1 - i)
         axes = figure.add_subplot(sides[row])
-        panels.radiance_panel(axes, spectrum)
+        panels.radiance_panel(axes, mark.spectrum)
         axes.set_title(f"radiance at {name}")
         panels_drawn.append(axes)
     figure.align_ylabels(panels_drawn)

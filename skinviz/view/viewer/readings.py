@@ -16,6 +16,8 @@ from skinviz.view.viewer.state import Mark
 
 Array = NDArray[np.float64]
 
+_DIGITS = 4  # of millimetres, in links
+
 
 @dataclass(frozen=True, eq=False)
 class Reading:
@@ -69,7 +71,9 @@ def mark_at(shown: Shown, column: float, row: float) -> Mark | None:
         return None
     tile, x, y = found
     point = shown.held.point(x, y)
-    return None if point is None else Mark(tile, tuple(point.tolist()))
+    if point is None:
+        return None
+    return Mark(tile, tuple(np.round(point, _DIGITS).tolist()))
 
 
 def _reading(shown: Shown, mark: Mark) -> Reading | None:

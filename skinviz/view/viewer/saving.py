@@ -15,19 +15,19 @@ from skinviz._validate import one_of
 from skinviz.errors import ArgumentError
 from skinviz.rendering.render import render
 from skinviz.scene.scene import Scene
-from skinviz.view.figures import Site, hands_figure, save_figure
+from skinviz.view.figures import MarkedPoint, Site, hands_figure, save_figure
 from skinviz.view.viewer.opened import WIDTHS, Opened, as_shown, has
 from skinviz.view.viewer.pictures import Shown
 from skinviz.view.viewer.readings import readings_of
 from skinviz.view.viewer.samples import weights_table
-from skinviz.view.viewer.shown import index_value
+from skinviz.view.viewer.shown import index_value, scenes_of
 from skinviz.view.viewer.state import ViewState
 
 SCENE_SUFFIXES = (".toml",)
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 _PLAIN_NAME = re.compile(r"[\w][\w. -]{0,99}", re.UNICODE)
-_FIGURE_SIZE = 900  # pixels, of a hand's longer side
+_FIGURE_SIZE = (675, 900)  # pixels, of each hand
 
 
 def file_named(opened: Opened, name: str, suffixes: tuple[str, ...]) -> Path:
@@ -85,17 +85,17 @@ def save_view_figure(opened: Opened, shown: Shown, name: str) -> Path:
     """
     file = file_named(opened, name, FIGURE_SUFFIXES)
     state = shown.state
-    geometry = opened.geometry
+    scenes = scenes_of(opened, state, shown.samples, _FIGURE_SIZE)
+    titles = [_title(shown, i) for i in range(len(scenes))]
     pictures = {
-        _title(shown, i): render(
-            stage.scene.replace(camera=_larger(stage.scene)),
-            None,
-            state.tolerance,
-            geometry=geometry,
-        )
-        for i, stage in enumerate(shown.stages)
+        title: render(scene, None, state.tolerance, geometry=opened.geometry)
+        for title, scene in zip(titles, scenes, strict=True)
     }
-    readings = [one for one in readings_of(shown) if one is not None]
+    marks = [
+        MarkedPoint(np.array(one.mark.place), one.spectrum, titles[one.mark.look])
+        for one in readings_of(shown)
+        if one is not None
+    ]
     sample = shown.samples[state.active]
     fit = None if state.look.weights else sample.fit
     site = None
@@ -104,7 +104,7 @@ def save_view_figure(opened: Opened, shown: Shown, name: str) -> Path:
     figure = hands_figure(
         pictures,
         site,
-        [(np.array(one.mark.place), one.spectrum) for one in readings],
+        marks,
         f"{opened.name}.  {shown.stages[0].scene.surface.description}.  "
         f"ΔE00 tolerance {state.tolerance:g}.",
     )
@@ -221,15 +221,8 @@ _LAMPS = ("illuminant", "temperature", "spectrum", "lines")
 def _title(shown: Shown, i: int) -> str:
     """Return what stands above a hand."""
     lamp = shown.stages[i].scene.lights[0].spectrum.name
-    name = f"{shown.samples[i].name}, {lamp}"
+    sample, weights = shown.samples[i], shown.state.looks[i].weights
+    names = [parameter.name for parameter in sample.skin.model.parameters]
+    set_to = [f"{n} {w:.4g}" for n, w in zip(names, weights, strict=False)]
+    name = ", ".join([sample.name, *set_to, lamp])
     return name if len(shown.stages) == 1 else f"{i + 1}: {name}"
-
-
-def _larger(scene: Scene) -> Any:
-    """Return the camera with a picture fit for print."""
-    import dataclasses
-
-    width, height = scene.camera.size
-    scale = _FIGURE_SIZE / max(width, height)
-    size = (max(1, round(width * scale)), max(1, round(height * scale)))
-    return dataclasses.replace(scene.camera, size=size)

@@ -104,7 +104,8 @@ def plan_told(still: Still, tolerance: float) -> dict[str, Any]:
 
 def _finding(finding: Finding) -> dict[str, str]:
     """Return what was found of one knob."""
-    change = f"ΔE00 {finding.delta_e:.3f}" if finding.delta_e else ""
+    known = finding.delta_e is not None and (finding.left_out or finding.delta_e)
+    change = f"ΔE00 {finding.delta_e:.3f}" if known else ""
     saved = f"saves {finding.saved:.0f} ms" if finding.saved > 0.5 else ""
     return {
         "knob": finding.knob,

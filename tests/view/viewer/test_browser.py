@@ -62,7 +62,7 @@ def chromium():
     assert program, "install Debian's chromium, or leave out: -m 'not browser'"
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=program, args=["--no-sandbox"]
+            executable_path=program, args=["--no-sandbox", "--disable-dev-shm-usage"]
         )
         yield browser
         browser.close()
