@@ -6,6 +6,7 @@ pixel, everything else exact.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,7 @@ from skinviz._threads import even_size, in_slices
 from skinviz.rendering import trace
 from skinviz.rendering.colour import display_matrix
 from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.imager import pixels_of
 from skinviz.rendering.lighting import Lighting
 from skinviz.rendering.painter import Painter
 from skinviz.rendering.plan import Plan, cells
@@ -42,7 +44,8 @@ class HeldView:
     sight : Sight
         The mesh and who looks at it.
     pixels : tuple of (k,) ndarray
-        Those that show the mesh, row × width + column, some thousands at a time.
+        Those that show the mesh, row × width + column, some thousands at a time, in
+        any order.
     hits : tuple of Hits
         What their rays hit.
     dark : (d,) ndarray
@@ -150,18 +153,16 @@ def hold(geometry: Geometry, camera: Camera) -> HeldView:
     sight = Sight(geometry, camera.view(geometry.in_mm))
     _ = geometry.embree
     block, marked = sight.blocks
-    width, height = camera.size
-    row, column = np.divmod(np.arange(width * height), width)
-    asked = np.flatnonzero(marked[row // block, column // block])
+    asked = pixels_of(np.argwhere(marked), block, *camera.size)
     step = even_size(asked.size, _RAYS)
     parts: dict[int, tuple[Whole, trace.Hits, Whole]] = {}
 
     def work(part: slice) -> None:
         own = asked[part]
         hits = trace.cast(sight, cells(1), own)
-        covered = hits.covered > 0
-        covered[hits.pixels] = False
-        parts[part.start] = own[hits.pixels], hits.part(slice(None)), own[covered]
+        dark = hits.covered > 0
+        dark[hits.pixels] = False
+        parts[part.start] = own[hits.pixels], _alone(hits), own[dark]
 
     in_slices(work, asked.size, step)
     if not parts:
@@ -210,6 +211,13 @@ def _hit(sight: Sight, column: float, row: float) -> trace.Hits | None:
     within = np.array([[column - x, row - y]])
     hits = trace.cast(sight, within, np.array([y * width + x]))
     return hits if hits.rays.size else None
+
+
+def _alone(hits: trace.Hits) -> trace.Hits:
+    """Return hits of one ray a pixel as those of pixels 0, 1, ..."""
+    number = np.arange(hits.rays.size)
+    covered = np.ones(number.size, dtype=np.uint8)
+    return dataclasses.replace(hits, rays=number, pixels=number, covered=covered)
 
 
 def _in_mm(geometry: Geometry, hit: trace.Hits) -> Array:

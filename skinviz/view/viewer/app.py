@@ -30,7 +30,8 @@ _LOG = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
 
-_QUICK_PIXELS = 600_000  # of pictures of what moves
+_QUICK_PIXELS = 500_000  # of pictures of what moves
+_TURNING_PIXELS = 200_000  # where rays have to be cast anew
 _STILL_AFTER = 0.15  # s without a change
 _BUSY_AFTER = 0.3  # s of work, after which the page says so
 
@@ -229,10 +230,11 @@ class Viewer:
     def _shown(self, state: ViewState) -> tuple[Shown, dict[str, Any]]:
         """Return a state's quick picture and all that is told with it."""
         started = time.perf_counter()
-        shown = self._darkroom.quick(state, _at_most(self.size, _QUICK_PIXELS))
+        size = _at_most(self.size, _most_pixels(self.shown, state))
+        shown = self._darkroom.quick(state, size)
         told = told_of(shown, self.opened.samples)
         picture = _link("jpeg", jpeg(shown.picture))
-        height, width, _ = shown.picture.shape
+        width, height = self.size
         return shown, {
             **told,
             "picture": picture,
@@ -262,6 +264,15 @@ class Viewer:
         """Set variables of the page."""
         with self._server.state as variables:
             variables.update(told)
+
+
+def _most_pixels(shown: Shown | None, state: ViewState) -> int:
+    """Return how many pixels a quick picture may have, fewer if the hand turns."""
+    if shown is None:
+        return _QUICK_PIXELS
+    before = (shown.state.view, shown.state.zoom, shown.state.shift)
+    stays = before == (state.view, state.zoom, state.shift)
+    return _QUICK_PIXELS if stays else _TURNING_PIXELS
 
 
 def _at_most(size: tuple[int, int], pixels: int) -> tuple[int, int]:

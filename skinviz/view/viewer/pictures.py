@@ -116,10 +116,10 @@ class Darkroom:
         scale = 0.0
         if state.difference:
             light = [np.concatenate(held.xyz(stage)) for stage in stages]
-            covered = np.zeros(held.size[::-1], np.bool_)
-            covered.ravel()[np.concatenate(held.pixels)] = True
-            ground = scenes[0].background
-            part, scale = _difference_map(covered, light, stages[0].white, ground)
+            part = _ground(scenes[0], tiles.size)
+            scale = _draw_differences(
+                part, np.concatenate(held.pixels), light, stages[0].white
+            )
             parts.append(part)
         picture = tiles.joined(parts, _GAP)
         return Shown(state, samples, stages, held, tiles, picture, scale)
@@ -133,11 +133,11 @@ class Darkroom:
         drawn = [self._drawn(scene, state.tolerance) for scene in scenes]
         parts = [one.rgb for one in drawn]
         if state.difference:
-            covered = drawn[0].covered > 0
-            light = [one.xyz[covered] for one in drawn]
-            white = white_xyz(scenes[0])
-            ground = scenes[0].background
-            parts.append(_difference_map(covered, light, white, ground)[0])
+            part = _ground(scenes[0], tiles.size)
+            pixels = np.flatnonzero(drawn[0].covered)
+            light = [one.xyz.reshape(-1, 3)[pixels] for one in drawn]
+            _draw_differences(part, pixels, light, white_xyz(scenes[0]))
+            parts.append(part)
         return Still(
             tiles.joined(parts, _GAP),
             drawn[0].plan,
@@ -179,26 +179,30 @@ def _quick_plan(scene: Scene) -> Plan:
     return ONE_RAY if scene.skin.values.ndim == 1 else _MAPPED
 
 
-def _difference_map(
-    covered: NDArray[np.bool_],
+def _ground(scene: Scene, size: Size) -> Picture:
+    """Return a picture of nothing."""
+    picture = np.zeros((size[1], size[0], 3), np.uint8)
+    picture[:] = scene.background
+    return picture
+
+
+def _draw_differences(
+    picture: Picture,
+    pixels: NDArray[np.int64],
     light: Sequence[NDArray[np.floating]],
     white: Array,
-    ground: tuple[int, int, int],
-) -> tuple[Picture, float]:
-    """Return ΔE00 of pixels as colours, and what the last colour stands for.
+) -> float:
+    """Draw ΔE00 of pixels (n,) as colours; return what the last colour stands for.
 
-    ``covered`` (height, width) are the pixels, in whose order ``light`` has two
-    pictures' XYZ (n, 3).
+    ``light`` has two pictures' XYZ (n, 3).
     """
     one, other = (np.asarray(own, np.float64) for own in light)
     differences = colour_differences(one, other, white)
     most = float(np.percentile(differences, 99)) if differences.size else 0.0
     scale = nice_above(most)
-    shown = np.zeros((*covered.shape, 3), np.uint8)
-    shown[:] = ground
-    levels = np.clip(differences / scale, 0, 1) * 255
-    shown[covered] = difference_colours()[levels.astype(int)]
-    return shown, scale
+    levels = (np.clip(differences / scale, 0, 1) * 255).astype(int)
+    picture.reshape(-1, 3)[pixels] = difference_colours()[levels]
+    return scale
 
 
 def difference_colours() -> Picture:
