@@ -36,9 +36,14 @@ if TYPE_CHECKING:
     from skinviz.scan.simulate import Scanner, simulate_scan
     from skinviz.scene.camera import Camera
     from skinviz.scene.hand import HandFrame, hand_frame
+    from skinviz.scene.landmarks import landmarks
     from skinviz.scene.lights import DirectionalLight, PointLight
+    from skinviz.scene.painted import painted_image, painted_vertices
+    from skinviz.scene.pigment_map import pigment_map
+    from skinviz.scene.relief import Relief
     from skinviz.scene.scene import Scene, Skin
     from skinviz.scene.scene_file import read_scene
+    from skinviz.scene.texture import SkinTexture, textured
     from skinviz.skin.fit import fit_skin
     from skinviz.skin.kubelka_munk import kubelka_munk_layer
     from skinviz.skin.models import skin_model, skin_models
@@ -98,11 +103,18 @@ _HOME = {
     "HandFrame": "scene.hand",
     "hand_frame": "scene.hand",
     "Camera": "scene.camera",
+    "landmarks": "scene.landmarks",
     "DirectionalLight": "scene.lights",
     "PointLight": "scene.lights",
+    "painted_image": "scene.painted",
+    "painted_vertices": "scene.painted",
+    "pigment_map": "scene.pigment_map",
+    "Relief": "scene.relief",
     "Scene": "scene.scene",
     "Skin": "scene.scene",
     "read_scene": "scene.scene_file",
+    "SkinTexture": "scene.texture",
+    "textured": "scene.texture",
     "SkinFit": "skin.skin_fit",
     "fit_skin": "skin.fit",
     "kubelka_munk_layer": "skin.kubelka_munk",

@@ -72,6 +72,53 @@ def toy_hand(length=180.0, n_around=72, n_along=90):
     return polydata(*_drop_empty(points, np.minimum(faces, ring)))
 
 
+def grid(height, pitch=1.0):
+    """A range view of heights (rows, columns) above evenly spaced cells."""
+    rows, columns = height.shape
+    x, y = np.meshgrid(pitch * np.arange(columns), pitch * np.arange(rows))
+    points = np.stack([x, y, height], axis=-1)
+    return np.where(np.isfinite(height)[..., None], points, np.nan)
+
+
+def with_forearm(mesh, length, step=5.0, bend=0.0):
+    """A hand whose opening is drawn out along a forearm that widens like a cone.
+
+    Its sections grow by 60 % in 150 mm; ``bend`` [rad] turns its axis from the
+    hand's, which is taken to be from the opening to the mesh's middle.
+    """
+    from skinviz.scan.wrist import wrist_loop
+
+    points, faces = np.asarray(mesh.points, dtype=float), faces_of(mesh)
+    loop = wrist_loop(points, faces)
+    rim = points[loop]
+    centre = rim.mean(axis=0)
+    _, axes = np.linalg.eigh((rim - centre).T @ (rim - centre))
+    away = axes[:, 0] * -np.sign((points.mean(axis=0) - centre) @ axes[:, 0])
+    u, v = axes[:, 2], np.cross(away, axes[:, 2])
+    turn = np.argsort(np.arctan2((rim - centre) @ v, (rim - centre) @ u))
+    loop, rim = loop[turn], rim[turn]
+    axis = np.cos(bend) * away + np.sin(bend) * u
+    n_rings = max(int(np.ceil(length / step)), 1)
+    along = length * np.arange(1, n_rings + 1) / n_rings
+    rings = [rim + 0.004 * d * (rim - centre) + d * axis for d in along]
+    k = len(rim)
+    index = np.concatenate([loop, len(points) + np.arange(k * n_rings)])
+    here = (k * np.arange(n_rings)[:, None] + np.arange(k)).ravel()
+    beside = (k * np.arange(n_rings)[:, None] + (np.arange(k) + 1) % k).ravel()
+    sleeve = np.concatenate(
+        [
+            np.stack([here, beside, here + k], axis=1),
+            np.stack([beside, beside + k, here + k], axis=1),
+        ]
+    )
+    sleeve = index[sleeve]
+    # The first edge runs against that of the face which it joins.
+    ends = {tuple(e) for e in faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2).tolist()}
+    if tuple(sleeve[0, :2].tolist()) in ends:
+        sleeve = sleeve[:, ::-1]
+    return polydata(np.concatenate([points, *rings]), np.concatenate([faces, sleeve]))
+
+
 def moved(mesh, pose):
     """A copy of a mesh after a rigid motion (4, 4)."""
     points = np.asarray(mesh.points) @ pose[:3, :3].T + pose[:3, 3]

@@ -87,6 +87,7 @@ def test_the_wheel_carries_meshes_spectra_and_types(tmp_path):
     assert {
         *("skinviz/py.typed", "skinviz/skin/data/effective.csv", f"{raw}/hand.conf"),
         *(f"{raw}/view_{i:02d}.ply" for i in range(8)),
+        *(f"skinviz/meshes/makehuman_male_{s}_clean.ply" for s in ("left", "right")),
         "skinviz/spectra/data/issa_2025_part_360-740nm_10nm.csv.gz",
     } <= names
 

@@ -13,7 +13,7 @@ from skinviz.scan import topology
 from skinviz.scan.align import align_patches
 from skinviz.scan.merge import merge_points
 from skinviz.scan.scan import transform
-from skinviz.scan.views import make_patch
+from skinviz.scan.views import make_patch, view_surface
 
 _CELL, _SUPPORT, _BEYOND = 1.2, 2.4, 5.0  # mm; the last: from the true wrist
 
@@ -33,12 +33,15 @@ def compare_merges(case: Case) -> Iterator[str]:
 def measured(way, case: Case):
     """Return what one way makes of the aligned views, where points support it."""
     scan = scan_of(case)
-    made = [make_patch(view, max_stretch=6.0) for view in scan.views]
-    patches = tuple(patch for patch, _, _ in made)
+    made = [view_surface(view, max_stretch=6.0)[:2] for view in scan.views]
+    patches = tuple(
+        make_patch(view, *surface)
+        for view, surface in zip(scan.views, made, strict=True)
+    )
     aligned = align_patches(patches, tuple(view.pose for view in scan.views))
     placed = [
         (transform(pose, patch.points), faces, patch.normals @ pose[:3, :3].T)
-        for pose, (patch, faces, _) in zip(aligned.poses, made, strict=True)
+        for pose, patch, (_, faces) in zip(aligned.poses, patches, made, strict=True)
     ]
     start = time.perf_counter()
     points, faces = way(placed)

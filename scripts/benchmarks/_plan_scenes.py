@@ -12,6 +12,7 @@ from skinviz import (
     PointLight,
     Scene,
     Skin,
+    SkinTexture,
     TorranceSparrow,
     fit_skin,
     hand_frame,
@@ -19,6 +20,7 @@ from skinviz import (
     line_lamp,
     load_archive,
     skin_model,
+    textured,
 )
 from skinviz.scan.formats import read_mesh
 from skinviz.scan.shipped import shipped_mesh
@@ -69,6 +71,24 @@ def scene_of(seed: int) -> Scene:
         observer="cie1931" if rng.random() < 0.8 else "cie1964",
         interreflection="diffuse" if rng.random() < 0.4 else "none",
     )
+
+
+def textured_scene_of(seed: int) -> Scene:
+    """Return the same scene with uneven skin."""
+    rng = np.random.default_rng([2006, seed])
+    texture = SkinTexture(
+        melanin_mottling=float(rng.uniform(0, 0.3)),
+        blood_mottling=float(rng.uniform(0, 0.3)),
+        mottling_mm=float(rng.uniform(6, 12)),
+        veins=float(rng.uniform(0, 0.05)),
+        vein_width_mm=6.0,
+        knuckle_redness=float(rng.uniform(0, 1)),
+        crease_redness=float(rng.uniform(0, 1)),
+        relief_um=float(rng.uniform(0, 80)),
+        relief_mm=float(np.exp(rng.uniform(np.log(0.3), np.log(4)))),
+        seed=seed,
+    )
+    return textured(scene_of(seed), texture)
 
 
 @cache

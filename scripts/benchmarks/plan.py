@@ -17,7 +17,7 @@ import warnings
 from pathlib import Path
 
 import numpy as np
-from _plan_scenes import scene_of
+from _plan_scenes import scene_of, textured_scene_of
 from _print import machine
 
 from skinviz import Plan, geometry_of, plan, render
@@ -40,6 +40,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=2)
     parser.add_argument("--summary", action="store_true")
     parser.add_argument("--kept-only", action="store_true", help="time nothing")
+    parser.add_argument("--textured", action="store_true", help="uneven skin")
     parser.add_argument("--literal", action="store_true", help="no table, see above")
     parser.add_argument("-o", "--out", type=Path, required=True)
     chosen = parser.parse_args()
@@ -51,6 +52,7 @@ def main() -> None:
             if seed in done:
                 continue
             row = tried(
+                (textured_scene_of if chosen.textured else scene_of)(seed),
                 seed,
                 chosen.runs,
                 timed=not chosen.kept_only,
@@ -69,9 +71,8 @@ def rows_of(file: Path) -> list[dict]:
     return [json.loads(line) for line in file.read_text("utf-8").splitlines()]
 
 
-def tried(seed: int, runs: int, *, timed: bool, literal: bool) -> dict:
+def tried(scene, seed: int, runs: int, *, timed: bool, literal: bool) -> dict:
     """Return how one scene fares at every tolerance, and what the rivals take."""
-    scene = scene_of(seed)
     geometry = geometry_of(scene.mesh)
     _ = geometry.embree, geometry.edges
     white = white_xyz(scene)

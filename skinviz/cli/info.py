@@ -6,11 +6,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from skinviz.cli.arguments import UNCHANGED, WhatIf
 from skinviz.cli.output import say, say_json
 from skinviz.errors import ArgumentError, DataError
 
 if TYPE_CHECKING:
     from skinviz.rendering.plan import Plan
+    from skinviz.scene.relief import Relief
     from skinviz.scene.scene import Scene
 
 
@@ -23,6 +25,7 @@ def info(
     *,
     unit: str | None = None,
     tolerance: float | None = None,
+    what_if: WhatIf = UNCHANGED,
     json: bool = False,
 ) -> None:
     """Say what a scene, a scan or a picture holds, and how it is or was computed.
@@ -43,8 +46,11 @@ def info(
     """
     suffix = file.suffix.lower()
     planned: Plan | None = None
-    if tolerance is not None and suffix != ".toml":
-        raise ArgumentError(f"{file}: --tolerance is for scenes (.toml); leave it out")
+    if (tolerance is not None or what_if != UNCHANGED) and suffix != ".toml":
+        raise ArgumentError(
+            f"{file}: --tolerance, --melanin and the like are for scenes (.toml); "
+            "leave them out"
+        )
     if suffix in (".csv", ".json"):
         raise DataError(
             f"{file}: info is for scenes (.toml), scans, meshes and pictures; spectra "
@@ -53,7 +59,7 @@ def info(
     if suffix == ".toml":
         from skinviz.scene.scene_file import read_scene
 
-        scene = read_scene(file)
+        scene = what_if.of(read_scene(file))
         facts = _scene_facts(scene)
         if tolerance is not None:
             from skinviz.rendering.planner import plan
@@ -117,6 +123,8 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
                     names, weights.min(axis=0), weights.max(axis=0), strict=True
                 )
             ),
+            *scene.skin.history,
+            *_relief(scene.relief),
         ],
         "surface": surface.description,
         "lights": [
@@ -128,6 +136,16 @@ def _scene_facts(scene: Scene) -> dict[str, Any]:
         "left out": _left_out(scene),
         "energy": _energy(float(np.max(body)), scene),
     }
+
+
+def _relief(relief: Relief) -> list[str]:
+    """Return what is said of fine relief, if there is any."""
+    if relief.depth == 0:
+        return []
+    return [
+        f"furrows {relief.depth:g} µm deep, {relief.spacing:g} mm apart, seed "
+        f"{relief.seed}: they tilt normals, not the mesh"
+    ]
 
 
 def _view(scene: Scene) -> str:

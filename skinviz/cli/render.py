@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from skinviz.cli.arguments import Whole
+from skinviz.cli.arguments import UNCHANGED, WhatIf, Whole
 from skinviz.cli.output import progress_bar, say, say_files, say_json
 
 if TYPE_CHECKING:
@@ -29,15 +29,18 @@ def render(
     tolerance: float | None = None,
     samples: Whole | None = None,
     explain: bool = False,
+    what_if: WhatIf = UNCHANGED,
     json: bool = False,
 ) -> None:
     """Draw a scene in spectrally computed colour, traced ray by ray.
 
     Every pixel's radiance is computed on the scene's wavelengths, 61 by default, and
     shown through CIE XYZ. What would change colours by less than the tolerance is
-    left out.
+    left out. What the skin has more or less of is said by x2 (times two), +0.01 (more
+    by that) or 0.4 (so much).
 
     Example: skinviz render scene.toml -o hand.png --spectral hand.hdr --size 2048
+    Example: skinviz render scene.toml -o tanned.png --melanin x2
 
     Parameters
     ----------
@@ -76,7 +79,7 @@ def render(
     plan, allowed = _asked(tolerance, samples)
     with progress_bar(3 + (spectral is not None) + (mesh is not None)) as begin:
         begin("read scene")
-        described = sized(read_scene(scene), size)
+        described = what_if.of(sized(read_scene(scene), size))
         width, height = described.camera.size
         begin("trace rays" if plan else "plan and trace rays")
         geometry = geometry_of(described.mesh)

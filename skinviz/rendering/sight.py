@@ -12,6 +12,7 @@ from skinviz.rendering import rays
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.outlines import facing_triangles, outline_pixels
 from skinviz.scene.camera import View
+from skinviz.scene.relief import SMOOTH, Relief
 
 Array = NDArray[np.float64]
 
@@ -28,10 +29,13 @@ class Sight:
         What is seen.
     view : View
         Who looks. [mm]
+    relief : Relief
+        Of what is seen, finer than its triangles.
     """
 
     geometry: Geometry
     view: View
+    relief: Relief = SMOOTH
 
     @cached_property
     def eye(self) -> Array:

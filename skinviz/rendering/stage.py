@@ -205,7 +205,7 @@ def stage_of(
         If the eye is within the mesh's reach where all of it is to be seen.
     """
     geometry = geometry or geometry_of(scene.mesh)
-    sight = Sight(geometry, scene.camera.view(geometry.in_mm))
+    sight = Sight(geometry, scene.camera.view(geometry.in_mm), scene.relief)
     wanted = np.ones(len(geometry.points), np.bool_) if whole else sight.seen
     return Stage(scene, plan or Plan(), sight, wanted)
 

@@ -33,7 +33,8 @@ class Hits:
     weights : (3, m) ndarray
         Of the triangle's corners at the point.
     points, normals : (3, m) ndarray
-        The point, in the geometry's coordinates, and its smooth unit normal.
+        The point, in the geometry's coordinates, and its unit normal: the smooth one,
+        tilted by the scene's relief.
     lifted : (3, m) ndarray
         Where shadow rays of the point start.
     facets : (3, m) ndarray
@@ -106,6 +107,8 @@ def cast(sight: Sight, places: Array, pixels: Whole) -> Hits:
         *(geometry.points, geometry.faces, geometry.normals),
         *(hit, weights, points, normals, lifted, facets),
     )
+    points, normals = (np.ascontiguousarray(x[:, :m]) for x in (points, normals))
+    _engrave(sight, points, normals)
     shape = (pixels.size, len(places))
     covered = (triangles >= 0).reshape(shape).sum(axis=1, dtype=np.uint8)
     return Hits(
@@ -113,12 +116,21 @@ def cast(sight: Sight, places: Array, pixels: Whole) -> Hits:
         hit[:m] // len(places),
         triangles[hit[:m]],
         np.ascontiguousarray(weights[:, :m]),
-        np.ascontiguousarray(points[:, :m]),
-        np.ascontiguousarray(normals[:, :m]),
+        points,
+        normals,
         np.ascontiguousarray(lifted[:, :m]),
         np.ascontiguousarray(facets[:, :m]),
         covered,
     )
+
+
+def _engrave(sight: Sight, points: Array, normals: Array) -> None:
+    """Tilt the normals (3, m) of points as the relief has it; nothing if it is flat."""
+    relief, geometry = sight.relief, sight.geometry
+    if relief.depth > 0:
+        depth = 1e-3 * relief.depth / relief.spacing  # both in mm
+        start, step = geometry.centre / relief.spacing, geometry.scale / relief.spacing
+        rays.engrave(points, normals, start, step, depth, relief.seed)
 
 
 def joined(parts: list[Hits], samples: int) -> Hits:

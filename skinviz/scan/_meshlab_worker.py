@@ -1,12 +1,11 @@
 """The worker process: the only place that imports pymeshlab.
 
-Run as a file; the job comes on standard input and the result leaves on standard
-output, so that nothing is left on disk however it ends. Imports nothing of
+Run as a file; standard input is a file with the job and standard output one for the
+result, so that this process leaves nothing on disk however it ends. Imports nothing of
 skinviz, so that it starts fast and can be killed at any moment.
 """
 
 import ctypes
-import io
 import json
 import os
 import resource
@@ -32,14 +31,14 @@ def main() -> None:
 
     result = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what filters print must not get into the result
-    with np.load(io.BytesIO(sys.stdin.buffer.read())) as data:
+    with np.load(sys.stdin.buffer) as data:
         arrays = {name: data[name] for name in data.files}
     options = {}
     if "normals" in arrays:
         options["v_normals_matrix"] = arrays["normals"]
     if "face_scalars" in arrays:
         options["f_scalar_array"] = arrays["face_scalars"]
-    mesh = pymeshlab.Mesh(arrays["points"], arrays["faces"].astype(np.int32), **options)
+    mesh = pymeshlab.Mesh(arrays["points"], arrays["faces"], **options)
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(mesh)
     for step in json.loads(arrays["filters"].tobytes()):
@@ -51,14 +50,12 @@ def main() -> None:
         }
         meshes.apply_filter(step["name"], **parameters)
     current = meshes.current_mesh()
-    whole = io.BytesIO()
     np.savez(
-        whole,
+        result,
         points=current.vertex_matrix(),
         faces=current.face_matrix(),
         selected=current.face_selection_array(),
     )
-    result.write(whole.getvalue())
     result.close()
 
 

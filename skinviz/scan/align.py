@@ -9,39 +9,14 @@ aligned one after another. The first view keeps its pose.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinviz.errors import MeshError
+from skinviz.scan.partners import Pairs, Patch, Pose, match, require_overlap, spacing
 from skinviz.scan.scan import transform
 
-Pose = NDArray[np.float64]
-
-_NORMALS_AGREE = np.cos(np.deg2rad(35))
-_MIN_PAIRS = 50
 _SETTLED = 2e-3  # mm
-
-
-@dataclass(frozen=True)
-class Patch:
-    """One view's surface samples for alignment, in the sensor's frame.
-
-    Attributes
-    ----------
-    name : str
-        The view's name, for messages.
-    points, normals : (n, 3) ndarray of float64
-        Surface points [mm] and unit normals.
-    interior : (n,) ndarray of bool
-        False on the patch's rim, where a nearest point says nothing.
-    """
-
-    name: str
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    interior: NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -126,90 +101,36 @@ def align_patches(
     centres = [patch.points.mean(axis=0) for patch in patches]
     start = poses
     # Partners can be no nearer than the samples are apart, however good the poses.
-    nearest = 2 * max(_spacing(tree) for tree in trees)
+    nearest = 2 * max(spacing(tree) for tree in trees)
     scale, residual, distance = reach / 3, np.inf, max(reach, nearest)
     iterations, settled = 0, False
     while iterations < max_iterations and not settled:
         iterations += 1
-        pairs = _match(patches, trees, picks, poses, distance)
-        _require_overlap(patches, pairs)
+        pairs = match(patches, trees, picks, poses, distance)
+        require_overlap(patches, pairs)
         step, residual = _solve(pairs, len(patches), scale)
         start_of_round = poses
         poses = tuple(map(_compose, step, poses))
         scale = max(1.5 * residual, 1e-6)
         distance = float(np.clip(6 * residual, nearest, distance))
         settled = max(map(_shift, start_of_round, poses, centres)) < _SETTLED
-    pairs = _match(patches, trees, picks, poses, distance)
-    found = np.array(
-        [
-            np.unique(np.concatenate([p.index for p in pairs if p.moving == i])).size
-            / picks[i].size
-            for i in range(len(patches))
-        ]
-    )
+    pairs = match(patches, trees, picks, poses, distance)
     moved = np.array(list(map(_shift, start, poses, centres)))
-    return Alignment(poses, found, residual, moved, iterations, settled)
+    overlap = _overlap(pairs, picks)
+    return Alignment(poses, overlap, residual, moved, iterations, settled)
 
 
-@dataclass(frozen=True)
-class _Pairs:
-    """Points of one patch and their partners' tangent planes on another."""
-
-    moving: int
-    fixed: int
-    index: NDArray[np.int_]
-    points: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    gaps: NDArray[np.float64]
-
-
-def _match(
-    patches: tuple[Patch, ...],
-    trees: list[Any],  # scipy types a KDTree by its box's size
-    picks: list[NDArray[np.int_]],
-    poses: tuple[Pose, ...],
-    distance: float,
-) -> list[_Pairs]:
-    """Find partners between every ordered pair of patches, in the world frame."""
-    found = []
-    for i, (patch, pick) in enumerate(zip(patches, picks, strict=True)):
-        world = transform(poses[i], patch.points[pick])
-        facing = patch.normals[pick] @ poses[i][:3, :3].T
-        for j, other in enumerate(patches):
-            if i == j:
-                continue
-            rotation = poses[j][:3, :3]
-            local = (world - poses[j][:3, 3]) @ rotation
-            gap, k = trees[j].query(local, distance_upper_bound=distance, workers=-1)
-            near = np.flatnonzero(np.isfinite(gap))
-            k = k[near]
-            normals = other.normals[k] @ rotation.T
-            good = other.interior[k] & (
-                np.einsum("ij,ij->i", facing[near], normals) > _NORMALS_AGREE
-            )
-            near, k, normals = near[good], k[good], normals[good]
-            partner = transform(poses[j], other.points[k])
-            points = world[near]
-            gaps = np.einsum("ij,ij->i", points - partner, normals)
-            found.append(_Pairs(i, j, near, points, normals, gaps))
-    return found
-
-
-def _require_overlap(patches: tuple[Patch, ...], pairs: list[_Pairs]) -> None:
-    """Refuse a patch that no other overlaps: its pose would be a guess."""
-    counts = np.zeros(len(patches), dtype=int)
-    for pair in pairs:
-        counts[[pair.moving, pair.fixed]] += pair.index.size
-    if counts.min() < _MIN_PAIRS:
-        lonely = patches[int(counts.argmin())].name
-        raise MeshError(
-            f"view {lonely!r} overlaps no other view ({counts.min()} matched points, "
-            f"{_MIN_PAIRS} needed); check its pose in the .conf file or leave it out"
-        )
+def _overlap(pairs: list[Pairs], picks: list[NDArray[np.int_]]) -> NDArray[np.float64]:
+    """Return which share of each patch's picked points has a partner in any other."""
+    found = [
+        np.unique(np.concatenate([p.index for p in pairs if p.moving == i])).size
+        for i in range(len(picks))
+    ]
+    return np.array(found) / [pick.size for pick in picks]
 
 
 def _solve(
-    pairs: list[_Pairs], n_patches: int, scale: float
+    pairs: list[Pairs], n_patches: int, scale: float
 ) -> tuple[NDArray[np.float64], float]:
     """Return the joint Gauss–Newton step (n, 6) and the weighted RMS gap."""
     centre = np.mean(np.concatenate([p.points for p in pairs]), axis=0)
@@ -239,12 +160,6 @@ def _solve(
     # Translations are about the common centre; carry them to the origin.
     twists[:, 3:] -= np.cross(twists[:, :3], centre)
     return twists, float(np.sqrt(total / count))
-
-
-def _spacing(tree: Any) -> float:
-    """Return the median distance of points to their nearest neighbour. [mm]"""
-    gaps, _ = tree.query(tree.data[:: max(1, tree.n // 2000)], k=2)
-    return float(np.median(gaps[:, 1]))
 
 
 def _shift(old: Pose, new: Pose, point: NDArray[np.float64]) -> float:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from skinviz.errors import MeshError
 from skinviz.scan import topology
-from skinviz.scan.align import Patch, Pose, align_patches
+from skinviz.scan.align import align_patches
 from skinviz.scan.checks import require_hand_size
+from skinviz.scan.grid import range_of
 from skinviz.scan.merge import (
     Merged,
     cut_bridges,
@@ -19,8 +20,10 @@ from skinviz.scan.merge import (
     unsupported_regions,
 )
 from skinviz.scan.meshlab import Limits
+from skinviz.scan.partners import Patch, Pose
 from skinviz.scan.scan import PointCloud, transform
-from skinviz.scan.views import make_patch
+from skinviz.scan.smoothing import range_noise
+from skinviz.scan.views import make_patch, view_surface
 from skinviz.scan.workpiece import Counts, Surface, Workpiece
 from skinviz.scan.wrist import cut_wrist
 
@@ -42,7 +45,7 @@ def triangulate(
 ) -> tuple[Workpiece, Counts]:
     """Make each view a patch: no bridges over depth jumps, no islands, no rim."""
     made = [
-        make_patch(
+        view_surface(
             view,
             max_incidence=max_incidence,
             max_stretch=max_stretch,
@@ -51,14 +54,19 @@ def triangulate(
         )
         for view in piece.views
     ]
-    patches = tuple(patch for patch, _, _ in made)
+    patches = tuple(
+        make_patch(view, points, faces)
+        for view, (points, faces, _) in zip(piece.views, made, strict=True)
+    )
     poses = tuple(view.pose for view in piece.views)
     cloud = _gathered(patches, poses)
     require_hand_size(cloud.points, piece.source)
+    noise = [range_noise(range_of(view.points, view.eye)) for view in piece.views]
     each = [asdict(counts) for _, _, counts in made]
     totals = {name: sum(counts[name] for counts in each) for name in each[0]}
     piece = replace(piece, patches=patches, poses=poses, cloud=cloud)
-    return piece, {"views": len(made), **totals}
+    typical = round(float(np.median(noise)), 3)
+    return piece, {"views": len(made), **totals, "noise_mm": typical}
 
 
 def align(

@@ -14,7 +14,6 @@ from skinviz.scan.wrist import wrist_loop
 _FACING = 0.5  # cosine: two sides of a gap look at each other within 60 degrees
 _WAY_AROUND = 4.0  # times the gap: so far it is on the surface between two fingers
 _TOUCHING = 2.0  # mm: what is as near is no gap between fingers
-_FEW = 500  # points of a rim
 _MOST_TRIED = 24  # edges of a fill
 
 
@@ -31,7 +30,9 @@ def close_holes(
     loops = topology.boundary_loops(faces)
     wrist = wrist_loop(points, faces)
     chosen = [
-        bool(cap_wrist) if _same(loop, wrist) else _width(points[loop]) <= max_width
+        bool(cap_wrist)
+        if _same(loop, wrist)
+        else topology.widest(points[loop]) <= max_width
         for loop in loops
     ]
     welds = 0
@@ -51,12 +52,6 @@ def close_holes(
 def _same(loop: NDArray[np.int64], other: NDArray[np.int64] | None) -> bool:
     """Return whether two loops are one: they share a point."""
     return other is not None and bool(loop[0] in other)
-
-
-def _width(points: Points) -> float:
-    """Return the largest distance between two points of a rim. [mm]"""
-    few = points[:: max(1, len(points) // _FEW)]
-    return float(np.linalg.norm(few[:, None] - few, axis=-1).max())
 
 
 def _closed(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from skinviz.scan import topology
+from skinviz.scan.holes import close_holes
 from skinviz.scan.meshlab import Filter, Limits, run_filters
 from skinviz.scan.topology import Faces
 from skinviz.scan.workpiece import Counts, Surface
@@ -103,8 +104,6 @@ def untangle(
     surface: Surface, limits: Limits, *, max_width: float
 ) -> tuple[Surface, Counts]:
     """Cut out triangles that cross others or share an edge with two, close anew."""
-    from skinviz.scan.holes import close_holes
-
     crossing = crossing_faces(surface, limits)
     bad = crossing | _beside_non_manifold(surface.faces)
     found, tangled, removed, rounds = int(crossing.sum()), int(bad.sum()), 0, 0

@@ -6,15 +6,15 @@ of ours. A crash, a time-out or an error comes back as a ``MeshError``.
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +48,8 @@ class Limits:
         in_range(self.timeout, 1e-3, 1e6, "timeout", "s")
         in_range(self.memory, 0, 1e6, "memory", "GiB")
 
+
+_NO_PLACE = "no place for a temporary file ({}); free some, or set TMPDIR to another"
 
 _NO_MEMORY = ("bad_alloc", "memory", "bad allocation")
 
@@ -121,37 +123,57 @@ def run_filters(
     steps = [{"name": f.name, "parameters": f.parameters} for f in filters]
     job: dict[str, NDArray[Any]] = {
         "points": points,
-        "faces": faces,
+        "faces": faces.astype(np.int32),
         "filters": np.frombuffer(json.dumps(steps).encode(), dtype=np.uint8),
     }
     if normals is not None:
         job["normals"] = normals
     if face_scalars is not None:
         job["face_scalars"] = face_scalars
-    with np.load(io.BytesIO(_worked(_packed(job), names, limits))) as result:
-        return FilterResult(
-            result["points"].astype(np.float64),
-            result["faces"].astype(np.int64).reshape(-1, 3),
-            result["selected"].astype(bool),
-        )
+    with _scratch() as question, _scratch() as answer:
+        _write(question, job)
+        _work(question, answer, names, limits)
+        with np.load(answer) as result:
+            return FilterResult(
+                result["points"].astype(np.float64),
+                result["faces"].astype(np.int64).reshape(-1, 3),
+                result["selected"].astype(bool),
+            )
 
 
-def _packed(arrays: dict[str, NDArray[Any]]) -> bytes:
-    """Return arrays as the bytes of an .npz file."""
-    whole = io.BytesIO()
-    np.savez(whole, **arrays)  # type: ignore[arg-type]
-    return whole.getvalue()
+def _scratch() -> IO[bytes]:
+    """Return a file without a name, gone when closed: pipes take several times as long.
+
+    Raises
+    ------
+    MeshError
+        If there is no place for it.
+    """
+    try:
+        return tempfile.TemporaryFile()
+    except OSError as error:
+        raise MeshError(_NO_PLACE.format(error)) from error
 
 
-def _worked(job: bytes, names: str, limits: Limits) -> bytes:
-    """Return what a worker answers to a job; it ends before this returns."""
+def _write(file: IO[bytes], arrays: dict[str, NDArray[Any]]) -> None:
+    """Write arrays as an .npz file and go back to its start."""
+    try:
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+        file.seek(0)
+    except OSError as error:
+        raise MeshError(_NO_PLACE.format(error)) from error
+
+
+def _work(question: IO[bytes], answer: IO[bytes], names: str, limits: Limits) -> None:
+    """Have a worker answer a question; it ends before this returns."""
     worker = Path(__file__).with_name("_meshlab_worker.py")
     most = int(limits.memory * 2**30)
     try:
         done = subprocess.run(
             [sys.executable, str(worker), str(most)],
-            input=job,
-            capture_output=True,
+            stdin=question,
+            stdout=answer,
+            stderr=subprocess.PIPE,
             # Its threads would spin while they wait, which on shared cores
             # costs several times the work.
             env={"OMP_WAIT_POLICY": "passive", **os.environ},
@@ -163,9 +185,10 @@ def _worked(job: bytes, names: str, limits: Limits) -> bytes:
             f"pymeshlab ({names}) took longer than {limits.timeout:g} s and was "
             "stopped; give it a coarser edge length or more time"
         ) from error
-    if done.returncode != 0 or not done.stdout:
+    # Both wrote at one place of the file: the worker moved it for us too.
+    if done.returncode != 0 or answer.tell() == 0:
         raise MeshError(_failure(names, done.returncode, done.stderr, limits))
-    return done.stdout
+    answer.seek(0)
 
 
 def _failure(names: str, code: int, stderr: bytes, limits: Limits) -> str:

@@ -9,6 +9,12 @@ from skinviz.errors import MeshError
 DEMO_SCAN = "makehuman_male_right_raw/hand.conf"
 """Eight simulated raw range views of a man's right hand."""
 
+CLEAN_HANDS = {
+    "right": "makehuman_male_right_clean.ply",
+    "left": "makehuman_male_left_clean.ply",
+}
+"""That scan and one of the mirrored shape, cleaned to edges of 2 mm."""
+
 TRUE_SHAPE = "makehuman_male_right.ply"
 """The shape of which they are views; open at the wrist."""
 

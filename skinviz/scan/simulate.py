@@ -20,6 +20,7 @@ from skinviz._validate import unit_vector
 from skinviz.errors import ArgumentError
 from skinviz.scan.caster import Caster
 from skinviz.scan.checks import require_triangles
+from skinviz.scan.faults import perturbed, with_faults
 from skinviz.scan.scan import RangeView, Scan, transform
 from skinviz.scan.scanner import Scanner
 
@@ -99,7 +100,7 @@ def simulate_scan(
     for i, direction in enumerate(np.atleast_2d(np.asarray(directions))):
         frame = _sensor_frame(unit_vector(direction, "direction"), caster.origin)
         points, eye = _one_view(caster, frame, scanner, albedo, rng)
-        believed = frame if i == 0 else _perturbed(frame, scanner, rng)
+        believed = frame if i == 0 else perturbed(frame, scanner, rng)
         views.append(RangeView(f"view_{i:02d}", points, believed, eye))
     return Scan(views=tuple(views))
 
@@ -195,7 +196,7 @@ def _one_view(
     hit[hit] = ~_hidden(caster, frame, scanner, ground[hit])
     spread = np.where(hit, far**2 / np.where(hit, cosine, 1.0), 1.0)
     height = np.where(hit, -distance, np.nan).reshape(shape)
-    height = _with_faults(height, spread.reshape(shape), scanner, rng)
+    height = with_faults(height, spread.reshape(shape), scanner, rng)
     points = rays.starts - height[..., None] * rays.away
     return points, rays.eye
 
@@ -218,56 +219,3 @@ def _hidden(
     lift = 1e-4 * caster.radius
     blocked, _ = caster.hits(places + lift * seen_from, seen_from)
     return np.isfinite(blocked)
-
-
-def _with_faults(
-    height: NDArray[np.float64],
-    spread: NDArray[np.float64],
-    scanner: Scanner,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
-    """Return range with noise, depth-edge spikes, outliers and quantisation."""
-    got = np.isfinite(height)
-    noisy = height + scanner.noise * spread * rng.standard_normal(height.shape)
-    edge = got & _beside_depth_edge(height, 5 * scanner.pitch)
-    spiking = edge & (rng.random(height.shape) < scanner.spike_fraction)
-    # Half a laser spot beyond the edge reads nearer or farther than the surface.
-    side = np.where(rng.random(height.shape) < 0.5, -1.0, 1.0)
-    noisy += np.where(spiking, side * rng.exponential(scanner.spike, height.shape), 0)
-    stray = got & (rng.random(height.shape) < scanner.outlier_fraction)
-    if np.any(got):
-        span = rng.uniform(height[got].min(), height[got].max(), height.shape)
-        noisy = np.where(stray, span, noisy)
-    if scanner.resolution > 0:
-        noisy = np.round(noisy / scanner.resolution) * scanner.resolution
-    return noisy
-
-
-def _beside_depth_edge(height: NDArray[np.float64], jump: float) -> NDArray[np.bool_]:
-    """Return cells with a 4-neighbour that is missing or more than jump away."""
-    filled = np.where(np.isfinite(height), height, -np.inf)
-    padded = np.pad(filled, 1, constant_values=-np.inf)
-    neighbours = (
-        padded[:-2, 1:-1],
-        padded[2:, 1:-1],
-        padded[1:-1, :-2],
-        padded[1:-1, 2:],
-    )
-    edge = np.zeros(height.shape, dtype=bool)
-    for neighbour in neighbours:
-        with np.errstate(invalid="ignore"):
-            edge |= ~(np.abs(neighbour - filled) <= jump)
-    return edge
-
-
-def _perturbed(
-    frame: NDArray[np.float64], scanner: Scanner, rng: np.random.Generator
-) -> NDArray[np.float64]:
-    """Return a pose as the scanner believes it, off by a small rigid motion."""
-    from scipy.spatial.transform import Rotation
-
-    tilt = Rotation.from_rotvec(scanner.pose_tilt * rng.standard_normal(3))
-    believed = frame.copy()
-    believed[:3, :3] = tilt.as_matrix() @ frame[:3, :3]
-    believed[:3, 3] += scanner.pose_shift * rng.standard_normal(3)
-    return believed

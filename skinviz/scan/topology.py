@@ -18,6 +18,8 @@ Points = NDArray[np.float64]
 Faces = NDArray[np.int64]
 FaceMask = NDArray[np.bool_]
 
+_FEW = 1000  # points tell how wide a loop is
+
 
 def arrays(mesh: pyvista.PolyData) -> tuple[Points, Faces]:
     """Return a triangle mesh's points and faces as float64 and int64."""
@@ -95,6 +97,12 @@ def boundary_loops(faces: Faces) -> list[NDArray[np.int64]]:
     labels = components(used.size, local.reshape(-1, 2))
     loops = [used[labels == label] for label in range(labels.max() + 1)]
     return sorted(loops, key=len, reverse=True)
+
+
+def widest(points: Points) -> float:
+    """Return the largest distance between two points of a loop."""
+    few = points[:: max(1, len(points) // _FEW)]
+    return float(np.linalg.norm(few[:, None] - few, axis=-1).max())
 
 
 def compact(points: Points, faces: Faces) -> tuple[Points, Faces]:

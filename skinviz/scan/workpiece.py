@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from skinviz.errors import MeshError
-from skinviz.scan.align import Patch, Pose
+from skinviz.scan.checks import require_hand_size, require_triangles
 from skinviz.scan.merge import Merged
+from skinviz.scan.partners import Patch, Pose
 from skinviz.scan.scan import PointCloud, RangeView, Scan, no_surface
 from skinviz.scan.topology import Faces, Points
 
@@ -69,8 +70,6 @@ def workpiece(scan: Scan) -> Workpiece:
     MeshError
         If there is nothing in it, or points that have no normals.
     """
-    from skinviz.scan.checks import require_hand_size, require_triangles
-
     source = scan.source or "scan"
     if scan.views:
         return Workpiece(source, views=scan.views)

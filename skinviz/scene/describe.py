@@ -44,6 +44,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "wavelengths_nm": scene.wavelengths.tolist(),
         "display": scene.display.name,
         "white": scene.white,
+        "relief": dataclasses.asdict(scene.relief),
         "background_rgb8": list(scene.background),
     }
 
@@ -57,7 +58,8 @@ def _skin(skin: Skin) -> dict[str, Any]:
         name: [float(a), float(b)] if b > a else float(a)
         for name, a, b in zip(names, low, high, strict=True)
     }
-    return {**skin.model.description, "parameters": told}
+    history = {"history": list(skin.history)} if skin.history else {}
+    return {**skin.model.description, "parameters": told, **history}
 
 
 def _light(light: Light) -> dict[str, Any]:

@@ -13,7 +13,9 @@ from skinviz._validate import as_numbers, as_wavelengths, in_range, one_of
 from skinviz.errors import ArgumentError, MeshError
 from skinviz.scan.checks import require_triangles
 from skinviz.scene.camera import Camera
+from skinviz.scene.changes import changed_values, told
 from skinviz.scene.lights import Light
+from skinviz.scene.relief import SMOOTH, Relief
 from skinviz.skin.model import SkinModel
 from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.adaptation import ADAPTATIONS
@@ -44,10 +46,13 @@ class Skin:
         The model.
     values : (p,) or (n_vertices, p) ndarray
         Its parameters.
+    history : tuple of str
+        How they came to be what they are, a line each: maps, textures, changes.
     """
 
     model: SkinModel
     values: Array
+    history: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Store the values as float64; refuse other shapes and impossible values."""
@@ -78,6 +83,26 @@ class Skin:
                 f"a skin takes the fit of one spectrum; this is of {fit.values.shape}"
             )
         return cls(fit.model, fit.values)
+
+    def changed(self, **changes: str | float) -> Skin:
+        """Return the skin with some quantities changed, everywhere on it.
+
+        Parameters
+        ----------
+        **changes : str or float
+            ``melanin``, ``oxyhaemoglobin``, ``deoxyhaemoglobin``, ``haemoglobin`` and
+            ``saturation``: ``"x2"`` multiplies, ``"+0.01"`` adds, a number sets; see
+            :func:`skinviz.scene.changes.changed_values`.
+
+        Raises
+        ------
+        ArgumentError
+            If a quantity is unknown, or becomes negative or out of its bounds.
+        """
+        if not changes:
+            return self
+        values = changed_values(self.model, self.values, changes)
+        return Skin(self.model, values, (*self.history, f"changed: {told(changes)}"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +141,8 @@ class Scene:
     white : {"none", "cat16"}
         Whether the display's white stands for the perfect diffuser under light 1,
         to which eyes adapt, or colours are left as they are.
+    relief : Relief
+        Furrows that tilt the normals where rays meet the mesh; smooth by default.
     """
 
     mesh: pyvista.PolyData
@@ -131,6 +158,7 @@ class Scene:
     background: tuple[int, int, int] = BACKGROUND
     display: Display = SRGB
     white: str = "none"
+    relief: Relief = SMOOTH
     _checked: pyvista.PolyData | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:

@@ -18,7 +18,9 @@ from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
 from skinviz.scene.scene import Scene, Skin
 from skinviz.scene.scene_lights import light_of
+from skinviz.scene.scene_map import mapped, texture_of
 from skinviz.scene.scene_skin import skin_of
+from skinviz.scene.texture import textured
 from skinviz.spectra.display_file import read_display
 from skinviz.surface.models import surface_model, surface_parameters
 from skinviz.surface.surface import Surface
@@ -28,6 +30,7 @@ _MOST_BANDS = 2000
 _SURFACE = "torrance-sparrow"  # the model of a [surface] that names none
 _WORD_OR_NUMBER, _WORDS = "text or a number", "a list of texts"
 _LINES = "a list of [nm, power] pairs"
+_TABLE, _ROWS = "a table", "an array of tables"
 
 _TABLES = {
     "mesh": {"path": _TEXT, "unit": _TEXT},
@@ -44,6 +47,13 @@ _TABLES = {
         "archive": _TEXT,
         "origin": _TEXT,
         "subject": _TEXT,
+        "painted": _TEXT,
+        "image": _TEXT,
+        "weights_at_one": _NUMBERS,
+        "map": _TABLE,
+        "point": _ROWS,
+        "change": _TABLE,
+        "texture": _TABLE,
     },
     "surface": {"model": _TEXT, "n": _WORD_OR_NUMBER, "masking": _TEXT},
     "lights": {
@@ -141,7 +151,7 @@ def scene_from(
     folder : Path
         To which its paths are relative.
     skin : Skin, optional
-        In place of that of ``[skin]``.
+        In place of what ``[skin]`` describes before maps, texture and changes.
 
     Raises
     ------
@@ -160,9 +170,11 @@ def scene_from(
         light.keys() & {"direction", "position"} for light in lights_table
     )
     frame = None if by_vectors else hand_frame(mesh)
-    return Scene(
+    table = content.get("skin", {})
+    base = skin or skin_of(table, folder, mesh)
+    even = Scene(
         mesh=mesh,
-        skin=skin or skin_of(content.get("skin", {}), folder),
+        skin=mapped(base, table, mesh, folder),
         surface=_surface(content.get("surface", {})),
         lights=tuple(
             light_of(light, frame, light_angle, folder) for light in lights_table
@@ -171,6 +183,8 @@ def scene_from(
         **_settings(content),
         **_display(content.get("display", {}), folder),
     )
+    scene = textured(even, texture_of(table["texture"])) if "texture" in table else even
+    return scene.replace(skin=scene.skin.changed(**table.get("change", {})))
 
 
 def _display(table: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -248,6 +262,8 @@ def _require_kind(table: str, known: dict[str, str], key: str, value: Any) -> No
         and all(_are_numbers(pair) and len(pair) == 2 for pair in value),
         _WORD_OR_NUMBER: isinstance(value, str) or number,
         _WORDS: isinstance(value, list) and all(isinstance(x, str) for x in value),
+        _TABLE: isinstance(value, dict),
+        _ROWS: isinstance(value, list) and all(isinstance(x, dict) for x in value),
     }
     if not fits[known[key]]:
         raise DataError(f"{key} in [{table}] must be {known[key]}; got {value!r}")

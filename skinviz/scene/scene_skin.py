@@ -3,33 +3,45 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinviz._files import existing_file
 from skinviz.errors import DataError
+from skinviz.scene.painted import painted_image, painted_vertices
 from skinviz.scene.scene import Skin
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.fitted import FITS_FORMAT
+from skinviz.skin.model import SkinModel
 from skinviz.skin.models import skin_model
 from skinviz.skin.report import FIT_FORMAT
+from skinviz.skin.skin_fit import SkinFit
 from skinviz.spectra.archives import load_archive
 
 if TYPE_CHECKING:
+    import pyvista
     import xarray
 
 _TISSUE = {"site", "thickness", "coefficients", "free"}
+_MODEL = {"model", "specular"} | _TISSUE
 _SKIN_KEYS = {
-    "weights": {"model", "specular"} | _TISSUE,
+    "weights": _MODEL,
     "fit": {"record"},
-    "archive": {"model", "specular", "origin", "subject"} | _TISSUE,
+    "archive": {"origin", "subject"} | _MODEL,
+    "painted": _MODEL,
+    "image": {"weights_at_one"} | _MODEL,
 }
+_WHO = ("origin", "subject", "site")
+_SHOWN = 20  # labels of a file that an error lists
+_ELSEWHERE = {"map", "point", "change", "texture"}  # said on top of any skin
 
 
-def skin_of(table: dict[str, Any], folder: Path) -> Skin:
-    """Return the skin: weights given, read from a fit file, or fitted now."""
+def skin_of(table: dict[str, Any], folder: Path, mesh: pyvista.PolyData) -> Skin:
+    """Return the skin: weights given or painted, read from a fit file, or fitted."""
     sources = [key for key in _SKIN_KEYS if key in table]
     if len(sources) != 1:
         raise DataError(
@@ -37,7 +49,7 @@ def skin_of(table: dict[str, Any], folder: Path) -> Skin:
             f'fit = "fit.json" and archive = "issa"; got {sources or "none"}'
         )
     (source,) = sources
-    idle = sorted(table.keys() - _SKIN_KEYS[source] - {source})
+    idle = sorted(table.keys() - _SKIN_KEYS[source] - _ELSEWHERE - {source})
     if idle:
         raise DataError(f"[skin] with {source} has no use for {', '.join(idle)}")
     if source == "fit":
@@ -54,30 +66,64 @@ def skin_of(table: dict[str, Any], folder: Path) -> Skin:
             "spectrum behind the weights was measured"
         )
     model = skin_model(name, specular=table["specular"], **options)
-    return Skin(model, np.asarray(table["weights"], dtype=np.float64))
+    if source == "weights":
+        return Skin(model, np.asarray(table["weights"], dtype=np.float64))
+    return _painted_skin(table, model, folder, mesh)
+
+
+def _painted_skin(
+    table: dict[str, Any], model: SkinModel, folder: Path, mesh: pyvista.PolyData
+) -> Skin:
+    """Return skin whose parameters a mesh file or an image has."""
+    if "painted" in table:
+        values = painted_vertices(mesh, folder / table["painted"])
+        return Skin(model, values, (f"painted in {table['painted']}",))
+    if "weights_at_one" not in table:
+        names = ", ".join(parameter.name for parameter in model.parameters)
+        raise DataError(
+            f"[skin] with image needs weights_at_one = [{names}], the weights that the "
+            "number 1.0 stands for in each channel"
+        )
+    values = painted_image(mesh, folder / table["image"], table["weights_at_one"])
+    return Skin(model, values, (f"painted in {table['image']}",))
 
 
 def _archive_skin(table: dict[str, Any], name: str, options: dict[str, Any]) -> Skin:
     """Fit the spectrum of one archive subject and site."""
-    for key in ("origin", "subject", "site"):
-        if key not in table:
-            raise DataError(f"[skin] with archive needs {key} = ...")
-    measured = archive_spectrum(
-        load_archive(table["archive"]),
-        table["archive"],
-        {key: str(table[key]) for key in ("origin", "subject", "site")},
-    )
+    archive, chosen = _chosen(table, table.get("site"))
     if "thickness" in options:  # then the site only names the spectrum
         options = {key: options[key] for key in options if key != "site"}
-    specular = table.get("specular", measured.attrs["specular"])
+    specular = table.get("specular", archive.attrs["specular"])
     model = skin_model(name, specular=specular, **options)
-    return Skin.from_fit(fit_skin(measured.values, measured.wavelength.values, model))
+    return Skin.from_fit(_fitted(archive, chosen, model))
 
 
-def archive_spectrum(
-    archive: xarray.Dataset, name: str, who: dict[str, str]
-) -> xarray.DataArray:
-    """Return the mean spectrum (wavelength,) of one subject and site of an archive.
+def archive_fit(table: Mapping[str, Any], site: str, model: SkinModel) -> Skin:
+    """Return the skin of a [skin]'s person at another site, of a model that is given.
+
+    Raises
+    ------
+    DataError
+        If the archive has no spectrum of it.
+    """
+    return Skin.from_fit(_fitted(*_chosen(table, site), model))
+
+
+def _chosen(table: Mapping[str, Any], site: str | None) -> tuple[Any, Any]:
+    """Return an archive, and which of its records are of a subject's site."""
+    archive = load_archive(table["archive"])
+    asked = {**table, **({} if site is None else {"site": site})}
+    for key in _WHO:
+        if key not in asked:
+            raise DataError(f"[skin] with archive needs {key} = ...")
+    who = {key: str(asked[key]) for key in _WHO}
+    return archive, archive_records(archive, table["archive"], who)
+
+
+def archive_records(
+    archive: xarray.Dataset, name: str, who: Mapping[str, str]
+) -> NDArray[np.bool_]:
+    """Return which records (n,) of an archive are of one subject and site.
 
     Parameters
     ----------
@@ -85,31 +131,36 @@ def archive_spectrum(
         From :func:`load_archive`.
     name : str
         Its name, for messages.
-    who : dict of str to str
+    who : mapping of str to str
         ``origin``, ``subject`` and ``site``.
 
     Raises
     ------
     DataError
-        If it has no such spectrum.
+        If there is none.
     """
     chosen = np.ones(archive.sizes["record"], dtype=bool)
-    for key, value in who.items():
-        chosen &= archive[key].values == value
+    for key in _WHO:
+        chosen &= archive[key].values == who[key]
     if not chosen.any():
         sites = sorted(set(archive["site"].values))
         raise DataError(
-            f"archive {name!r} has no spectrum of subject "
-            f"{who['subject']!r} of {who['origin']!r} at {who['site']!r}; its "
+            f"archive {name!r} has no spectrum of subject {who['subject']!r} of "
+            f"{who['origin']!r} at {who['site']!r}; its "
             f"sites are {', '.join(sites)}, its origins "
             f"{', '.join(sorted(set(archive['origin'].values)))}"
         )
-    own: xarray.DataArray = archive.reflectance.isel(record=np.flatnonzero(chosen))
-    return own.mean("record", skipna=False).assign_attrs(archive.attrs)
+    return chosen
 
 
-def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
-    """Return the skin in a JSON file that ``skinviz fit`` wrote."""
+def _fitted(archive: Any, chosen: Any, model: SkinModel) -> SkinFit:
+    """Return the fit of the mean of some of an archive's spectra."""
+    spectrum = archive.reflectance.values[chosen].mean(axis=0)
+    return fit_skin(spectrum, archive.wavelength.values, model)
+
+
+def skin_from_fit_file(path: Path, record: int | str = 0) -> Skin:
+    """Return the skin in a JSON file that ``skinviz fit`` wrote, by number or label."""
     file = existing_file(path, DataError)
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
@@ -127,8 +178,7 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
         raise DataError(f"{file}: not a fit file of 'skinviz fit'") from error
     if not known:
         raise DataError(f"{file}: written as {content['format']!r}; fit the file anew")
-    if record >= len(fits):
-        raise DataError(f"{file} has {len(fits)} records, 0 the first; got {record}")
+    record = _record(fits, record, file)
     model = skin_model(name, thickness=thickness, hypodermis=backing, **options)
     weights = fits[record]["parameters"]
     values = [weights[p.name]["value"] for p in model.parameters]
@@ -137,3 +187,19 @@ def skin_from_fit_file(path: Path, record: int = 0) -> Skin:
             f"{file}: record {record} was refused by the fit; choose another"
         )
     return Skin(model, np.asarray(values, dtype=np.float64))
+
+
+def _record(fits: list[dict[str, Any]], record: int | str, file: Path) -> int:
+    """Return which of a file's fits a number or a label says."""
+    if isinstance(record, str):
+        labels = [str(fit.get("label")) for fit in fits]
+        if labels.count(record) != 1:
+            raise DataError(
+                f"{file} has {labels.count(record)} fits labelled {record!r}; its "
+                f"labels are {', '.join(labels[:_SHOWN])}"
+                + (", ..." if len(labels) > _SHOWN else "")
+            )
+        return labels.index(record)
+    if record >= len(fits):
+        raise DataError(f"{file} has {len(fits)} records, 0 the first; got {record}")
+    return record

@@ -13,7 +13,7 @@ from skinviz.scan import topology
 from skinviz.scan.caster import Caster
 from skinviz.scan.scan import Scan, transform
 from skinviz.scan.topology import Faces, Points
-from skinviz.scan.views import make_patch
+from skinviz.scan.views import view_surface
 from skinviz.scan.wrist import wrist_loop
 from skinviz.scene.hand import hand_frame
 
@@ -117,17 +117,18 @@ def _before(scan: Scan) -> _Drawn:
             f"{scan.source or 'scan'} has bare points, of which no surface can be "
             "drawn; leave the preview out"
         )
-    made = [make_patch(view, max_stretch=6.0, rim_rings=0)[:2] for view in scan.views]
+    made = [view_surface(view, max_stretch=6.0, rim_rings=0) for view in scan.views]
     placed = [
-        transform(view.pose, patch.points)
-        for view, (patch, _) in zip(scan.views, made, strict=True)
+        transform(view.pose, points)
+        for view, (points, _, _) in zip(scan.views, made, strict=True)
     ]
+    rims = [topology.boundary_edges(own) for _, own, _ in made]
     trees = [
-        cKDTree(at[patch.interior]) for at, (patch, _) in zip(placed, made, strict=True)
+        cKDTree(np.delete(at, np.unique(rim), axis=0))
+        for at, rim in zip(placed, rims, strict=True)
     ]
     faces, holes, count = [], [], 0
-    for i, (at, (_, own)) in enumerate(zip(placed, made, strict=True)):
-        rim = topology.boundary_edges(own)
+    for i, (at, (_, own, _), rim) in enumerate(zip(placed, made, rims, strict=True)):
         middle = at[rim].mean(axis=1)
         others = [tree for k, tree in enumerate(trees) if k != i]
         gaps = [tree.query(middle, distance_upper_bound=_NEAR)[0] for tree in others]

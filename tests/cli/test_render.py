@@ -246,8 +246,62 @@ def test_info_has_tolerances_for_scenes_alone(ball, run):
     mesh = ball.parent / "ball.ply"
     code, _, error = run("info", mesh, "--unit", "mm", "--tolerance", 1)
     assert code == 1
-    assert "for scenes (.toml); leave it out" in error
+    assert "are for scenes (.toml); leave them out" in error
 
 
 def test_info_says_what_a_mesh_is(ball, run):
     assert "boundaries" in run("info", ball.parent / "ball.ply", "--unit", "mm")[1]
+
+
+# What if -----------------------------------------------------------------------
+
+
+def test_what_if_on_the_command_line_is_what_the_file_may_say(ball, run, tmp_path):
+    words = ("--melanin", "x2", "--oxyhaemoglobin", "+0.004", "--saturation", "0.25")
+    assert run("render", ball, "-o", tmp_path / "a.png", *words)[0] == 0
+    said = (
+        "[skin.change]\nmelanin = 'x2'\noxyhaemoglobin = '+0.004'\nsaturation = 0.25\n"
+    )
+    ball.write_text(ball.read_text() + said)
+    assert run("render", ball, "-o", tmp_path / "b.png")[0] == 0
+    one, other = (np.asarray(Image.open(tmp_path / f"{n}.png")) for n in "ab")
+    np.testing.assert_array_equal(one, other)
+
+
+def test_info_tells_what_is_changed(ball, run):
+    code, told, _ = run("info", ball, "--melanin", "-0.05", "--haemoglobin", "x2")
+    assert code == 0
+    assert "w_m 0.05, w_h 0.016, w_dh 0.008" in told
+    assert "changed: melanin -0.05, haemoglobin x2" in told
+
+
+def test_info_tells_of_texture_and_relief(ball, run):
+    ball.write_text(
+        ball.read_text()
+        + "[skin.texture]\nmelanin_mottling = 0.1\nmottling_mm = 20\nrelief_um = 30\n"
+    )
+    code, told, _ = run("info", ball)
+    assert code == 0
+    assert "texture: melanin_mottling 0.1, mottling_mm 20, relief_um 30" in told
+    assert "furrows 30 µm deep, 1 mm apart" in told
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--melanin", "2x"), "melanin must be x2"),
+        (("--melanin", "-1"), "melanin -1 makes w_m -0.9"),
+        (("--saturation", "x9"), "within 0 and 1"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_line(ball, run, tmp_path, words, message):
+    code, _, error = run("render", ball, "-o", tmp_path / "a.png", *words)
+    assert code == 1
+    assert message in error
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_what_if_is_for_scenes(ball, run):
+    code, _, error = run("info", ball.parent / "ball.ply", "--melanin", "x2")
+    assert code == 1
+    assert "are for scenes" in error

@@ -55,7 +55,7 @@ def test_what_is_no_hand_says_why():
 def test_views_are_told_with_the_extent_of_all():
     facts = scan_facts(read_scan(shipped_mesh(DEMO_SCAN)))
     assert len(facts["views"]) == 8
-    assert facts["views"][0] == "view_00: 271 x 232 cells, 25639 returns, parallel rays"
+    assert facts["views"][0] == "view_00: 267 x 234 cells, 25337 returns, parallel rays"
     assert "size" not in facts
 
 

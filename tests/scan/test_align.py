@@ -6,10 +6,11 @@ from scipy.spatial.transform import Rotation
 
 from meshes import distance_to, pose, toy_hand
 from skinviz.errors import MeshError
-from skinviz.scan.align import Patch, align_patches
+from skinviz.scan.align import align_patches
+from skinviz.scan.partners import Patch
 from skinviz.scan.scan import transform
 from skinviz.scan.simulate import Scanner, directions_around, simulate_scan
-from skinviz.scan.views import make_patch
+from skinviz.scan.views import make_patch, view_surface
 
 AXES = np.array([60.0, 45.0, 30.0])
 """Half axes of an ellipsoid: no rigid motion maps it onto itself. [mm]"""
@@ -32,8 +33,8 @@ def ellipsoid_patch(name, towards, half_width=1.3, step=0.018):
     unit = np.outer(u, x) + np.outer(v, y) + np.outer(np.sqrt(1 - u**2 - v**2), towards)
     normals = unit / AXES
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    interior = u**2 + v**2 < (reach - 2 * step) ** 2
-    return Patch(name, unit * AXES, normals, interior)
+    steady = u**2 + v**2 < (reach - 2 * step) ** 2
+    return Patch(name, unit * AXES, normals, steady)
 
 
 def around(n):
@@ -48,7 +49,7 @@ def in_sensor_frame(patch, true_pose):
         patch.name,
         (patch.points - true_pose[:3, 3]) @ rotation,
         patch.normals @ rotation,
-        patch.interior,
+        patch.steady,
     )
 
 
@@ -178,7 +179,7 @@ def test_views_of_precise_and_of_noisy_scanners_are_aligned(noise):
         pitch=1.2, noise=noise, resolution=0, spike_fraction=0, outlier_fraction=0
     )
     scan = simulate_scan(toy_hand(), directions, scanner, np.random.default_rng(4))
-    patches = tuple(make_patch(view)[0] for view in scan.views)
+    patches = tuple(make_patch(view, *view_surface(view)[:2]) for view in scan.views)
     result = align_patches(patches, tuple(view.pose for view in scan.views))
     # Most of each view is seen by a neighbour, whatever the noise.
     assert result.overlap.min() > 0.4

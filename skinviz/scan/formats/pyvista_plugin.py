@@ -16,8 +16,8 @@ import numpy as np
 from skinviz.errors import MeshError
 from skinviz.scan import topology
 from skinviz.scan.formats.read import read_scan
+from skinviz.scan.grid import triangulate
 from skinviz.scan.scan import MissingUnitError, RangeView, Scan, transform
-from skinviz.scan.views import triangulate
 
 if TYPE_CHECKING:
     import pyvista

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +18,6 @@ from skinviz.scan.shipped import TRUE_SHAPE, shipped_mesh
 from skinviz.scene.hand import HandFrame, hand_frame
 from skinviz.scene.scene import Scene, Skin
 from skinviz.scene.scene_file import named, read_scene_content, scene_from
-from skinviz.scene.scene_skin import skin_of
 from skinviz.spectra.archives import load_archive
 from skinviz.study.study_file import read_study
 from skinviz.surface.models import surface_parameters
@@ -145,32 +145,44 @@ def _from_content(name: str, content: dict[str, Any], folder: Path) -> Opened:
     if "archive" not in table:
         options = {}
     samples = ArchiveSamples(archive, load_archive(archive), options)
-    own = _own(table, folder, samples)
-    scene = scene_from(content, folder, own.skin)
+    fitted = _fitted(table, samples)
+    scene = scene_from(content, folder, None if fitted is None else fitted.skin)
+    own = _own(scene.skin, table, folder, fitted)
     return Opened(name, scene, own, samples, folder, content)
 
 
 _OPTIONS = ("model", "specular", "thickness", "coefficients", "free")
 
 
-def _own(table: dict[str, Any], folder: Path, samples: ArchiveSamples) -> Sample:
-    """Return the skin of a scene file, with what is known of it."""
-    if {"archive", "origin", "subject", "site"} <= table.keys():
-        person = f"{table['origin']}/{table['subject']}"
-        found = samples.sample(person, str(table["site"]))
-        return Sample(
-            *(found.name, found.skin, found.fit, found.measured, found.interval),
-            table,
-        )
-    skin = skin_of(table, folder)
-    interval = _interval(folder / table["fit"], table) if "fit" in table else None
-    return Sample("the scene's own skin", skin, None, None, interval, table)
+def _fitted(table: dict[str, Any], samples: ArchiveSamples) -> Sample | None:
+    """Return the archive's person that [skin] names, None where it names none."""
+    if not {"archive", "origin", "subject", "site"} <= table.keys():
+        return None
+    person = f"{table['origin']}/{table['subject']}"
+    return samples.sample(person, str(table["site"]))
+
+
+def _own(
+    skin: Skin, table: dict[str, Any], folder: Path, fitted: Sample | None
+) -> Sample:
+    """Return a scene's skin with what is known of it."""
+    if fitted is None:
+        interval = _interval(folder / table["fit"], table) if "fit" in table else None
+        own = Sample("the scene's own skin", skin, None, None, interval, table)
+    else:
+        own = dataclasses.replace(fitted, skin=skin, table=table)
+    if skin.history:  # mapped or changed: no longer the skin that was fitted
+        return dataclasses.replace(own, interval=None)
+    return own
 
 
 def _interval(file: Path, table: dict[str, Any]) -> Array | None:
     """Return the intervals (p, 2) that a fit file holds, None where one is missing."""
     fits = json.loads(file.read_text(encoding="utf-8"))["fits"]
-    own = fits[table.get("record", 0)]["parameters"].values()
+    record = table.get("record", 0)
+    if isinstance(record, str):
+        record = [fit["label"] for fit in fits].index(record)
+    own = fits[record]["parameters"].values()
     pairs = [(one.get("lower"), one.get("upper")) for one in own]
     if any(value is None for pair in pairs for value in pair):
         return None
@@ -230,8 +242,8 @@ def as_shown(sample: Sample, weights: tuple[float, ...]) -> Skin:
         return skin
     wanted = np.array(weights, dtype=np.float64)
     if skin.values.ndim == 1:
-        return Skin(skin.model, wanted)
+        return dataclasses.replace(skin, values=wanted)
     mean = skin.values.mean(axis=0)
     # A pigment that is nowhere is laid on evenly.
     scaled = skin.values * (wanted / np.where(mean == 0, 1.0, mean))
-    return Skin(skin.model, np.where(mean == 0, wanted, scaled))
+    return dataclasses.replace(skin, values=np.where(mean == 0, wanted, scaled))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import DataError
 from skinviz.scene.scene import Skin
-from skinviz.scene.scene_skin import archive_spectrum
+from skinviz.scene.scene_skin import archive_records
 from skinviz.skin.fit import fit_skin
 from skinviz.skin.model import SkinModel
 from skinviz.skin.models import skin_model
@@ -126,15 +126,17 @@ class ArchiveSamples:
         """
         origin, _, subject = person.rpartition("/")
         who = {"origin": origin, "subject": subject, "site": site}
-        measured = archive_spectrum(self.archive, self.name, who)
+        records = archive_records(self.archive, self.name, who)
+        spectrum = self.archive.reflectance.values[records].mean(axis=0)
         options = {key: self.options[key] for key in _MODEL if key in self.options}
         if "thickness" not in options:
             options["site"] = site
-        specular = self.options.get("specular", measured.attrs["specular"])
+        specular = self.options.get("specular", self.archive.attrs["specular"])
         name = self.options.get("model", "two-layer")
         model = skin_model(name, specular=specular, **options)
         table = {**self.options, "archive": self.name, **who}
-        return _fitted(f"{person} {site}", measured, model, table)
+        wavelengths = self.archive.wavelength.values
+        return _fitted(f"{person} {site}", spectrum, wavelengths, model, table)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +186,9 @@ class StudySamples:
         some = spectra.reflectance.isel(record=np.flatnonzero(own))
         thickness = self.study.layers[str(some["site"].values[0])]
         model = skin_model(specular=self.study.specular, thickness=thickness)
-        found = _fitted(f"{person} {site}", some.mean("record"), model, {})
+        spectrum = some.mean("record").values
+        wavelengths = spectra.wavelength.values
+        found = _fitted(f"{person} {site}", spectrum, wavelengths, model, {})
         return dataclasses.replace(found, table=weights_table(found.skin))
 
     @cached_property
@@ -217,10 +221,14 @@ def weights_table(skin: Skin) -> dict[str, Any]:
 
 
 def _fitted(
-    name: str, measured: xarray.DataArray, model: SkinModel, table: dict[str, Any]
+    name: str,
+    spectrum: Array,
+    wavelengths: Array,
+    model: SkinModel,
+    table: dict[str, Any],
 ) -> Sample:
     """Return a measured spectrum with its fit."""
-    fit = fit_skin(measured.values, measured.wavelength.values, model)
-    inside = np.isin(measured.wavelength.values, fit.wavelengths)
+    fit = fit_skin(spectrum, wavelengths, model)
+    inside = np.isin(wavelengths, fit.wavelengths)
     skin = Skin.from_fit(fit)
-    return Sample(name, skin, fit, measured.values[inside], fit.interval, table)
+    return Sample(name, skin, fit, spectrum[inside], fit.interval, table)

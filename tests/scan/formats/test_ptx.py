@@ -7,8 +7,8 @@ from scan_files import grid_view, ptx_text
 from meshes import pose
 from skinviz.errors import MeshError
 from skinviz.scan.formats import read_scan, write_scan
+from skinviz.scan.grid import triangulate
 from skinviz.scan.scan import Scan, transform
-from skinviz.scan.views import triangulate
 
 POINTS = grid_view(rows=4, columns=6).points - [30, -20, 400]
 TURNED = pose((0.3, -0.2, 1.1), (100, 200, -50))

@@ -175,7 +175,13 @@ def test_toml_says_what_it_was_given():
     import tomllib
 
     content = {
-        "skin": {"site": 'a "b" \\ c', "weights": [0.1, 1e-7], "record": 2},
+        "skin": {
+            "site": 'a "b" \\ c',
+            "weights": [0.1, 1e-7],
+            "record": 2,
+            "change": {"melanin": "x2"},
+            "point": [{"at": [1.0, 2.0]}, {"at": [3.0, 4.0]}],
+        },
         "lights": [{"lines": [[532.0, 1.0]], "strength": 2.0}, {"illuminant": "A"}],
         "view": {"background": [1, 2, 3], "on": True},
     }
