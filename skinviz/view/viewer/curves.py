@@ -17,6 +17,7 @@ from skinviz.skin.two_layer import TwoLayer
 from skinviz.view.panels import spectral_colours
 from skinviz.view.viewer.pictures import Shown
 from skinviz.view.viewer.readings import Reading
+from skinviz.view.viewer.samples import Sample
 
 Array = NDArray[np.float64]
 Chart = dict[str, Any]
@@ -51,13 +52,21 @@ def reflectance_chart(shown: Shown) -> Chart:
             )
         )
     measured = skin.model.measured(skin.values, wavelengths)
-    name = "set" if state.look.weights or sample.fit is None else "fitted"
-    traces.append(_trace(name, wavelengths, measured, _FITTED))
+    traces.append(_trace(_name_of(sample, scene.skin), wavelengths, measured, _FITTED))
     if isinstance(skin.model, TwoLayer):
         parts = skin.model.layers(skin.values, wavelengths)
         for label, values, colour in zip(_LAYERS, parts, _LAYER_COLOURS, strict=True):
             traces.append(_trace(label, wavelengths, values, colour, dash="dot"))
     return _chart(traces, "reflectance")
+
+
+def _name_of(sample: Sample, skin: Skin) -> str:
+    """Return what a hand's reflectance is: of the fit, set by hand, or a map's mean."""
+    if skin.values.ndim == 2:
+        return "mean"
+    fit = sample.fit
+    as_fitted = fit is not None and np.array_equal(fit.values, skin.values)
+    return "fitted" if as_fitted else "set"
 
 
 def radiance_chart(readings: tuple[Reading | None, ...]) -> Chart:

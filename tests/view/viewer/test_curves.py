@@ -1,14 +1,17 @@
 """The curves beside the hand are the spectra behind it."""
 
+import dataclasses
+
 import numpy as np
 
-from skinviz import DirectionalLight, line_lamp
+from skinviz import DirectionalLight, Skin, line_lamp
 from skinviz.view.viewer.curves import (
     VISIBLE,
     illuminant_chart,
     radiance_chart,
     reflectance_chart,
 )
+from skinviz.view.viewer.pictures import Darkroom
 from skinviz.view.viewer.readings import readings_of
 
 SIZE = (60, 48)
@@ -32,6 +35,18 @@ def test_reflectance_is_measured_fitted_and_by_layers(opened, darkroom):
     assert chart["layout"]["xaxis"]["range"] == list(VISIBLE)
     assert min(at) == 400
     assert max(at) == 700
+
+
+def test_of_mapped_skin_the_mean_is_drawn(opened):
+    values = opened.scene.skin.values * np.linspace(0.5, 1.5, 642)[:, None]
+    mapped = opened.scene.replace(skin=Skin(opened.scene.skin.model, values))
+    own = dataclasses.replace(opened.own, skin=mapped.skin)
+    held = dataclasses.replace(opened, scene=mapped, own=own)
+    curves = named(reflectance_chart(Darkroom(held).quick(held.initial, SIZE)))
+    expected = opened.scene.skin.model.measured(
+        opened.scene.skin.values, np.arange(400.0, 701.0, 5.0)
+    )
+    np.testing.assert_allclose(curves["mean"], expected, atol=1e-6)
 
 
 def test_weights_that_are_set_are_not_called_fitted(opened, darkroom):

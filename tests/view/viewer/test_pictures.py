@@ -1,6 +1,8 @@
 """What is shown of a state: the right scenes, in the right places, within tolerance."""
 
 import dataclasses
+import gc
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -67,6 +69,29 @@ def test_light_changes_what_is_shown_and_no_rays_are_cast(opened, darkroom):
     assert second.held is first.held
     assert (second.picture != first.picture).any()
     assert second.stages[0].scene.lights[0].spectrum.name == "A"
+
+
+def test_moves_leave_no_memory_taken(opened):
+    room = Darkroom(opened)
+    rng = np.random.default_rng(4)
+
+    def move():
+        state = opened.initial.replace(
+            view=(float(rng.uniform(-90, 90)), 0.0, 0.0),
+            light=(float(rng.uniform(-60, 60)), 0.0),
+        ).with_look(weights=tuple(rng.uniform(0.001, 0.2, 3).tolist()))
+        room.quick(state, (24, 20))
+
+    for _ in range(20):
+        move()
+    tracemalloc.start()
+    before = tracemalloc.get_traced_memory()[0]
+    for _ in range(100):
+        move()
+    gc.collect()
+    grown = tracemalloc.get_traced_memory()[0] - before
+    tracemalloc.stop()
+    assert grown < 1e6  # the two views that are kept, and no more
 
 
 def test_only_the_last_views_and_fits_are_kept(opened):

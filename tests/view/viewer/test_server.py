@@ -13,6 +13,7 @@ from wslink.chunking import generate_chunks
 from wslink_client import connected
 
 from skinviz.errors import SkinvizError
+from skinviz.view.viewer import app
 from skinviz.view.viewer.guard import LARGEST_MESSAGE, is_known_name
 from skinviz.view.viewer.opened import open_path
 from skinviz.view.viewer.server import start
@@ -406,6 +407,21 @@ def test_a_slider_that_moves_fast_is_never_behind(run):
             assert running.viewer.state.light[0] == 79
             await browser.trigger("undo")
             assert running.viewer.state == running.viewer.opened.initial
+
+    run(talk)
+
+
+def test_work_that_takes_long_is_told_of(run, monkeypatch):
+    monkeypatch.setattr(app, "_BUSY_AFTER", 0.0)
+
+    async def talk(running):
+        async with connected(running.url) as browser:
+            await browser.until(lambda told: told.get("still"))
+            await browser.trigger("save_figure", "view.png")
+            await browser.until(lambda told: told.get("busy"))
+            await browser.until(lambda told: told.get("notice"))
+            await browser.until(lambda told: not told["busy"])
+            assert not browser.states["notice"]["bad"]
 
     run(talk)
 
