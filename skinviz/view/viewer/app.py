@@ -7,7 +7,6 @@ moves faster than pictures are made is never behind.
 from __future__ import annotations
 
 import asyncio
-import base64
 import logging
 import time
 from collections.abc import Callable
@@ -16,22 +15,21 @@ from functools import partial
 from typing import Any, TypeVar
 
 from skinviz.errors import SkinvizError
-from skinviz.view.viewer import asked
-from skinviz.view.viewer.address import to_query
+from skinviz.view.viewer.asked import listen_to_requests
+from skinviz.view.viewer.frames import quick_frame, still_frame
 from skinviz.view.viewer.history import History
 from skinviz.view.viewer.opened import Opened
-from skinviz.view.viewer.pictures import Darkroom, Shown, jpeg, png
+from skinviz.view.viewer.pictures import Darkroom, Shown
 from skinviz.view.viewer.samples import Sample
 from skinviz.view.viewer.saving import command, save_scene, save_view_figure
+from skinviz.view.viewer.settings import listen_to_settings
 from skinviz.view.viewer.state import ViewState
-from skinviz.view.viewer.told import opening_told, plan_told, settings_of, told_of
+from skinviz.view.viewer.told import opening_told, settings_of
 
 _LOG = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
 
-_QUICK_PIXELS = 500_000  # of pictures of what moves
-_TURNING_PIXELS = 200_000  # where rays have to be cast anew
 _STILL_AFTER = 0.15  # s without a change
 _BUSY_AFTER = 0.3  # s of work, after which the page says so
 
@@ -61,7 +59,8 @@ class Viewer:
         self._wake = asyncio.Event()  # used in one loop, whichever thread made it
         self._drawing: asyncio.Task[None] | None = None
         self._version = 0
-        asked.listen(self, server)
+        listen_to_settings(self, server)
+        listen_to_requests(self, server)
 
     @property
     def state(self) -> ViewState:
@@ -197,7 +196,7 @@ class Viewer:
 
     async def _draw_state(self, state: ViewState) -> None:
         """Draw a state, quickly at first."""
-        work = partial(self._shown, state)
+        work = partial(quick_frame, self._darkroom, state, self.size, self.shown)
         shown, told = await self._busily(self._quick, work)
         self.shown = shown
         if self.state is state:  # or what is being set would jump back
@@ -217,7 +216,9 @@ class Viewer:
     async def _draw_still(self, state: ViewState) -> None:
         """Show the picture within the tolerance, unless it has become old."""
         work = asyncio.ensure_future(
-            self._busily(self._slow, partial(self._still, state))
+            self._busily(
+                self._slow, partial(still_frame, self._darkroom, state, self.size)
+            )
         )
         woken = asyncio.ensure_future(self._wake.wait())
         await asyncio.wait([work, woken], return_when=asyncio.FIRST_COMPLETED)
@@ -226,30 +227,6 @@ class Viewer:
             work.add_done_callback(_forgotten)
             return
         self._tell(still=True, **work.result())
-
-    def _shown(self, state: ViewState) -> tuple[Shown, dict[str, Any]]:
-        """Return a state's quick picture and all that is told with it."""
-        started = time.perf_counter()
-        size = _at_most(self.size, _most_pixels(self.shown, state))
-        shown = self._darkroom.quick(state, size)
-        told = told_of(shown, self.opened.samples)
-        picture = _link("jpeg", jpeg(shown.picture))
-        width, height = self.size
-        return shown, {
-            **told,
-            "picture": picture,
-            "aspect": f"{width} / {height}",
-            "query": to_query(state, self.opened.initial),
-            "quick_ms": round(1e3 * (time.perf_counter() - started), 1),
-        }
-
-    def _still(self, state: ViewState) -> dict[str, Any]:
-        """Return a state's still picture and its plan."""
-        still = self._darkroom.still(state, self.size)
-        return {
-            "picture": _link("png", png(still.picture)),
-            **plan_told(still, state.tolerance),
-        }
 
     def _return_to_shown(self, failed: ViewState) -> None:
         """Go back to what could be shown, if nobody has gone elsewhere."""
@@ -264,26 +241,6 @@ class Viewer:
         """Set variables of the page."""
         with self._server.state as variables:
             variables.update(told)
-
-
-def _most_pixels(shown: Shown | None, state: ViewState) -> int:
-    """Return how many pixels a quick picture may have, fewer if the hand turns."""
-    if shown is None:
-        return _QUICK_PIXELS
-    before = (shown.state.view, shown.state.zoom, shown.state.shift)
-    stays = before == (state.view, state.zoom, state.shift)
-    return _QUICK_PIXELS if stays else _TURNING_PIXELS
-
-
-def _at_most(size: tuple[int, int], pixels: int) -> tuple[int, int]:
-    """Return a size of the same shape with no more pixels."""
-    scale = min(1.0, (pixels / (size[0] * size[1])) ** 0.5)
-    return max(1, round(size[0] * scale)), max(1, round(size[1] * scale))
-
-
-def _link(kind: str, content: bytes) -> str:
-    """Return a picture's file as a link that holds it."""
-    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def _forgotten(work: asyncio.Future[Any]) -> None:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from typing import Any
 
-from skinviz.view.viewer.variables import MOST_WEIGHTS
+from skinviz.view.viewer.page_parts import group, select, slider
+from skinviz.view.viewer.page_skin import build_hands, build_skin
 
 
 def build_controls(v: Any, html: Any) -> None:
     """Lay out the left side."""
     with html.Nav(classes="sv-controls", raw_attrs=['aria-label="Controls"']):
-        _build_hands(v, html)
-        _build_skin(v, html)
+        build_hands(v, html)
+        build_skin(v, html)
         _build_light(v, html)
         _build_view(v, html)
         _build_surface(v, html)
@@ -20,174 +20,15 @@ def build_controls(v: Any, html: Any) -> None:
         _build_saving(v, html)
 
 
-def _group(html: Any, title: str) -> AbstractContextManager[Any]:
-    """Begin a group of controls."""
-    group = html.Fieldset(classes="sv-group")
-    with group:
-        html.Legend(title, classes="sv-legend")
-    return group  # type: ignore[no-any-return]
-
-
-def _slider(
-    v: Any,
-    html: Any,
-    name: str,
-    label: str,
-    limits: tuple[Any, Any, Any],
-    *,
-    told: str,
-    shown: str | None = None,
-) -> None:
-    """Lay out a slider with its label and value above it.
-
-    ``limits`` are least, most and step, numbers or expressions in parentheses.
-    """
-    options = {} if shown is None else {"v_if": shown}
-    with html.Div(**options):
-        with html.Div(classes="sv-row"):
-            html.Span(label, classes="sv-label")
-            html.Span(f"{{{{ {told} }}}}", classes="sv-value")
-        low, high, step = limits
-        v.VSlider(
-            v_model=(name,),
-            min=low,
-            max=high,
-            step=step,
-            density="compact",
-            hide_details=True,
-            thumb_size=14,
-            track_size=3,
-            color="primary",
-            raw_attrs=[f'data-test="{name}" aria-label="{name}"'],
-        )
-
-
-def _select(v: Any, name: str, label: str, items: str, **more: Any) -> None:
-    """Lay out a list to choose from."""
-    kind = v.VAutocomplete if more.pop("searched", False) else v.VSelect
-    kind(
-        v_model=(name,),
-        items=(items,),
-        label=label,
-        density="compact",
-        variant="outlined",
-        hide_details=True,
-        classes="my-2",
-        raw_attrs=[f'data-test="{name}"'],
-        **more,
-    )
-
-
-def _build_hands(v: Any, html: Any) -> None:
-    """Lay out how many hands are shown and whose skin they have."""
-    with _group(html, "Hands"):
-        with html.Div(classes="sv-row"):
-            with v.VBtnToggle(
-                v_model=("hands",),
-                mandatory=True,
-                density="compact",
-                variant="outlined",
-                divided=True,
-                raw_attrs=['data-test="hands" aria-label="how many hands"'],
-            ):
-                for n in (1, 2, 4):
-                    v.VBtn(str(n), value=(str(n),), size="small")
-            v.VCheckbox(
-                v_model=("difference",),
-                label="ΔE00 map",
-                density="compact",
-                hide_details=True,
-                disabled=("hands !== 2",),
-                raw_attrs=['data-test="difference_map"'],
-            )
-        with html.Div(v_if="hands > 1", classes="sv-row"):
-            html.Span("controls set hand")
-            with v.VBtnToggle(
-                v_model=("active",),
-                mandatory=True,
-                density="compact",
-                variant="outlined",
-                divided=True,
-                raw_attrs=['data-test="active"'],
-            ):
-                v.VBtn(
-                    "{{ n }}",
-                    v_for="n in hands",
-                    key="n",
-                    value=("n - 1",),
-                    size="x-small",
-                )
-        _select(v, "group", "group", "groups", clearable=True)
-        _select(
-            v,
-            "person",
-            "subject",
-            "people",
-            clearable=True,
-            searched=True,
-            placeholder="the scene's own",
-            persistent_placeholder=True,
-        )
-        _select(v, "site", "body site", "sites", disabled=("!person",))
-
-
-def _build_skin(v: Any, html: Any) -> None:
-    """Lay out the skin's parameters."""
-    with _group(html, "Skin"):
-        for k in range(MOST_WEIGHTS):
-            with html.Div(v_if=f"weights.length > {k}"):
-                _slider(
-                    v,
-                    html,
-                    f"weight_{k}",
-                    f"{{{{ weights[{k}]?.label }}}}",
-                    (
-                        (f"weights[{k}]?.from || 0",),
-                        (f"weights[{k}]?.to || 1",),
-                        (f"weights[{k}]?.step || 0.001",),
-                    ),
-                    told=f"weight_{k}?.toFixed(4)",
-                )
-                with html.Div(
-                    v_if=f"weights[{k}]?.high > 0",
-                    classes="sv-range",
-                    raw_attrs=[f':title="weights[{k}]?.told"'],
-                ):
-                    html.Div(
-                        style=(
-                            f"`left: ${{100 * weights[{k}].low}}%; width: ${{100 * "
-                            f"(weights[{k}].high - weights[{k}].low)}}%`",
-                        )
-                    )
-        _slider(
-            v,
-            html,
-            "saturation",
-            "oxygen saturation",
-            (0, 1, 0.01),
-            told="saturation?.toFixed(2)",
-            shown="saturation !== null",
-        )
-        with html.Div(classes="sv-buttons"):
-            v.VBtn(
-                "as fitted",
-                size="small",
-                variant="outlined",
-                disabled=("!skin_changed",),
-                click="window.skinviz.ask('fitted')",
-                raw_attrs=['title="Green: 95 % interval of the fit"'],
-            )
-
-
 def _build_light(v: Any, html: Any) -> None:
     """Lay out the light."""
-    with _group(html, "Light"):
-        _select(v, "illuminant", "illuminant", "lamps")
-        _slider(
+    with group(html, "Light"):
+        select(v, "illuminant", "illuminant", "lamps")
+        slider(
             *(v, html, "light_angle", "angle", (-90, 90, 1)),
             told="light_angle.toFixed(0) + '°'",
         )
-        _slider(
+        slider(
             *(v, html, "light_tilt", "tilt", (-90, 90, 1)),
             told="light_tilt.toFixed(0) + '°'",
         )
@@ -195,7 +36,7 @@ def _build_light(v: Any, html: Any) -> None:
 
 def _build_view(v: Any, html: Any) -> None:
     """Lay out the viewer's place."""
-    with _group(html, "View"):
+    with group(html, "View"):
         with html.Div(classes="sv-row"):
             html.Span("light/view")
             with html.Div(classes="sv-buttons"):
@@ -207,11 +48,11 @@ def _build_view(v: Any, html: Any) -> None:
                     variant="outlined",
                     click="window.skinviz.ask('preset', [preset])",
                 )
-        _slider(
+        slider(
             *(v, html, "view_angle", "angle", (-180, 180, 1)),
             told="view_angle.toFixed(0) + '°'",
         )
-        _slider(
+        slider(
             *(v, html, "view_tilt", "tilt", (-90, 90, 1)),
             told="view_tilt.toFixed(0) + '°'",
         )
@@ -219,7 +60,7 @@ def _build_view(v: Any, html: Any) -> None:
 
 def _build_surface(v: Any, html: Any) -> None:
     """Lay out the surface."""
-    with _group(html, "Surface"):
+    with group(html, "Surface"):
         v.VSelect(
             v_model=("surface",),
             items=("surfaces",),
@@ -230,7 +71,7 @@ def _build_surface(v: Any, html: Any) -> None:
             classes="my-2",
             raw_attrs=['data-test="surface"'],
         )
-        _slider(
+        slider(
             v,
             html,
             "width",
@@ -243,7 +84,7 @@ def _build_surface(v: Any, html: Any) -> None:
             told="width.toFixed(3)",
             shown="surface_control.width",
         )
-        _slider(
+        slider(
             *(v, html, "specular_scale", "β as share of the physical", (0, 3, 0.01)),
             told="specular_scale.toFixed(2) + '  (β ' + beta + ')'",
             shown="surface_control.scale",
@@ -263,8 +104,8 @@ def _build_surface(v: Any, html: Any) -> None:
 
 def _build_picture(v: Any, html: Any) -> None:
     """Lay out how the picture is made and shown."""
-    with _group(html, "Picture"):
-        _slider(
+    with group(html, "Picture"):
+        slider(
             *(v, html, "stops", "exposure", (-4, 4, 0.1)),
             told="'× ' + (2 ** stops).toPrecision(3)",
         )
@@ -275,7 +116,7 @@ def _build_picture(v: Any, html: Any) -> None:
             hide_details=True,
             raw_attrs=['data-test="adapted"'],
         )
-        _slider(
+        slider(
             *(v, html, "tolerance_log", "tolerance", (-1, 1.3, 0.05)),
             told="'ΔE00 ' + (10 ** tolerance_log).toPrecision(2)",
         )
@@ -298,7 +139,7 @@ def _build_picture(v: Any, html: Any) -> None:
 
 def _build_saving(v: Any, html: Any) -> None:
     """Lay out what is kept of the view."""
-    with _group(html, "Save"):
+    with group(html, "Save"):
         v.VTextField(
             v_model=("file_name",),
             label="name, in the opened folder",
