@@ -21,6 +21,7 @@ def view(
     port: Whole = 0,
     no_browser: bool = False,
     native: bool = False,
+    json: bool = False,
 ) -> None:
     """Turn a hand, its light and its skin by hand, in the browser.
 
@@ -44,6 +45,8 @@ def view(
         Only print the link. It holds a secret of this run: keep it to yourself.
     native
         Open a window of its own instead of a page in the browser.
+    json
+        Print the link as JSON, on one line, once the page can be asked for.
     """
     import asyncio
     from functools import partial
@@ -66,9 +69,11 @@ def view(
             host=host,
             port=port,
             browser=not no_browser,
-            say=_say_now,
+            announce=partial(_announce, host, json),
         )
     )
+    if not json:
+        say("viewer ended")
 
 
 def _open(scene: Path | None) -> Opened:
@@ -78,7 +83,16 @@ def _open(scene: Path | None) -> Opened:
     return open_path(scene)
 
 
-def _say_now(text: str) -> None:
-    """Write one line that does not wait for more, wherever it goes."""
-    say(text)
+def _announce(host: str, json: bool, url: str) -> None:
+    """Print the link; what is printed does not wait for more, wherever it goes."""
+    from json import dumps
+
+    from skinviz.view.viewer.guard import LOOPBACK
+
+    if host not in LOOPBACK:
+        sys.stderr.write(
+            f"warning: listening on {host}: whoever has the link can steer the viewer, "
+            "and it is not encrypted; prefer 'ssh -L' to this machine's 127.0.0.1\n"
+        )
+    say(dumps({"url": url}) if json else f"viewer at {url}\npress Ctrl-C to end")
     sys.stdout.flush()

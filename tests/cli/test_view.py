@@ -1,5 +1,6 @@
 """``skinviz view``: a link is printed, the page is there, and Ctrl-C ends it."""
 
+import json
 import os
 import re
 import signal
@@ -61,15 +62,19 @@ def test_it_serves_until_it_is_interrupted(ball, number):
 
 
 def test_another_address_is_warned_of(ball):
-    program = [*SKINVIZ, "view", str(ball), "--no-browser"]
+    program = [*SKINVIZ, "view", str(ball), "--no-browser", "--json"]
     with subprocess.Popen(
-        [*program, "--host", "127.0.0.2"], stdout=subprocess.PIPE, text=True
+        [*program, "--host", "127.0.0.2"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as running:
-        lines = [running.stdout.readline() for _ in range(2)]
+        line = running.stdout.readline()
         running.send_signal(signal.SIGINT)
-        running.communicate(timeout=30)
-    assert lines[0].startswith("warning: listening on 127.0.0.2")
-    assert "http://127.0.0.2:" in lines[1]
+        out, err = running.communicate(timeout=30)
+    assert json.loads(line)["url"].startswith("http://127.0.0.2:")
+    assert err.startswith("warning: listening on 127.0.0.2")
+    assert out == ""
     assert running.returncode == 0
 
 

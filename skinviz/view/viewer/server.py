@@ -17,7 +17,7 @@ from urllib.parse import urlencode
 
 from skinviz._validate import in_range
 from skinviz.errors import SkinvizError
-from skinviz.view.viewer.guard import LARGEST_MESSAGE, LOOPBACK, Door, middleware
+from skinviz.view.viewer.guard import LARGEST_MESSAGE, Door, middleware
 from skinviz.view.viewer.page import build_page
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ async def serve(
     host: str = HOST,
     port: int = 0,
     browser: bool = True,
-    say: Callable[[str], None],
+    announce: Callable[[str], None],
 ) -> None:
     """Serve until interrupted.
 
@@ -163,8 +163,8 @@ async def serve(
         As for :func:`start`.
     browser : bool
         Whether the page is opened in the user's browser.
-    say : callable
-        Told each line for the user.
+    announce : callable
+        Told the link, once it answers.
 
     Raises
     ------
@@ -178,13 +178,7 @@ async def serve(
         loop.add_signal_handler(number, ended.set)
     running = start(host=host, port=port)
     await running.answering()
-    if host not in LOOPBACK:
-        say(
-            f"warning: listening on {host}: whoever has the link can steer the viewer, "
-            "and it is not encrypted; prefer 'ssh -L' to this machine's 127.0.0.1"
-        )
-    say(f"viewer at {running.url}")
-    say("press Ctrl-C to end")
+    announce(running.url)
     if browser:
         await asyncio.to_thread(webbrowser.open, running.url)
     try:
@@ -192,7 +186,6 @@ async def serve(
         await ended.wait()
     finally:
         await running.stop()
-    say("viewer ended")
 
 
 def _unless_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:

@@ -39,7 +39,7 @@ def show(scene: Scene) -> Any:
     """
     opening = partial(open_scene, scene)
     if not in_notebook():
-        asyncio.run(serve(opening, say=_say))
+        asyncio.run(serve(opening, announce=_announce))
         return None
     from IPython.display import IFrame
 
@@ -62,7 +62,7 @@ def in_notebook() -> bool:
     return own is not None and hasattr(own, "kernel")
 
 
-def _say(text: str) -> None:
-    """Write one line."""
-    sys.stdout.write(f"{text}\n")
+def _announce(url: str) -> None:
+    """Write where the viewer is."""
+    sys.stdout.write(f"viewer at {url}\npress Ctrl-C to end\n")
     sys.stdout.flush()

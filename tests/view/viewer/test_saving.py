@@ -137,7 +137,7 @@ def test_a_figure_of_skin_that_was_set(own_folder):
     "name",
     [
         "../out.png",
-        "/tmp/out.png",
+        "/etc/out.png",
         "a/b.png",
         "..png",
         ".hidden.png",
