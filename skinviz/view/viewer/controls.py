@@ -7,14 +7,19 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinviz.errors import ArgumentError
+from skinviz.skin.model import Parameter
 from skinviz.surface.models import surface_model
 from skinviz.view.viewer.opened import Opened, has, index_of, width_of
 from skinviz.view.viewer.samples import Sample
 from skinviz.view.viewer.state import Look, ViewState
 from skinviz.view.viewer.variables import MOST_WEIGHTS, PRESETS
 
+Array = NDArray[np.float64]
+
+_LARGE = 100.0  # an upper bound that is no more than one is a slider's end
 _USUAL = {"w_m": 0.4, "w_h": 0.02, "w_dh": 0.02}  # ends of sliders, where they suffice
 _LABELS = {
     "w_m": "melanin w_m",
@@ -39,11 +44,10 @@ def weight_controls(sample: Sample) -> list[dict[str, Any]]:
     controls = []
     for k, parameter in enumerate(sample.skin.model.parameters[:MOST_WEIGHTS]):
         interval = None if sample.interval is None else sample.interval[k]
-        known = [fitted[k]] if interval is None else [fitted[k], *interval]
-        end = max(_USUAL.get(parameter.name, 0.0), 1.25 * max(known))
-        end = min(_rounded_up(end), parameter.upper)
-        start = parameter.lower if np.isfinite(parameter.lower) else 0.0
-        low, high = (0.0, 0.0) if interval is None else np.clip(interval / end, 0, 1)
+        start, end = _ends(parameter, fitted[k], interval)
+        low = high = 0.0
+        if interval is not None:
+            low, high = np.clip((interval - start) / (end - start), 0, 1)
         controls.append(
             {
                 "name": parameter.name,
@@ -51,7 +55,7 @@ def weight_controls(sample: Sample) -> list[dict[str, Any]]:
                 "unit": "" if parameter.unit == "1" else parameter.unit,
                 "from": start,
                 "to": end,
-                "step": end / 500,
+                "step": (end - start) / 500,
                 "low": float(low),
                 "high": float(high),
                 "told": ""
@@ -60,6 +64,17 @@ def weight_controls(sample: Sample) -> list[dict[str, Any]]:
             }
         )
     return controls
+
+
+def _ends(
+    parameter: Parameter, fitted: float, interval: Array | None
+) -> tuple[float, float]:
+    """Return where a parameter's slider begins and ends, its own value within."""
+    if parameter.upper <= _LARGE:
+        return parameter.lower, parameter.upper
+    known = np.append([fitted], [] if interval is None else interval)
+    most = 1.25 * float(known[np.isfinite(known)].max())
+    return parameter.lower, _rounded_up(max(_USUAL.get(parameter.name, 0.0), most))
 
 
 def weights_of(sample: Sample, look: Look) -> tuple[float, ...]:

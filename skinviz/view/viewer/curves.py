@@ -138,7 +138,10 @@ def _trace(
         "type": "scatter",
         "name": name,
         "x": np.round(x, 3).tolist(),
-        "y": np.round(y, 6).tolist(),
+        # Bands that were not measured are gaps.
+        "y": [
+            value if np.isfinite(value) else None for value in np.round(y, 6).tolist()
+        ],
         "mode": "lines",
         "line": {"color": colour, "width": 1.8, "dash": dash},
         "hovertemplate": "%{x:.0f} nm: %{y:.3f}",
@@ -157,7 +160,7 @@ def _lines(name: str, lines: Array, colour: str) -> dict[str, Any]:
 
 def _chart(traces: list[dict[str, Any]], y: str) -> Chart:
     """Return a chart over wavelength with the visible colours under its axis."""
-    highest = max((max(trace["y"], default=0.0) for trace in traces), default=0.0)
+    highest = max((y for trace in traces for y in trace["y"] if y), default=0.0)
     rows = min(3, -(-len(traces) // 2))  # of the legend, which needs room above
     return {
         "data": traces,

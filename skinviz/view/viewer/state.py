@@ -52,7 +52,7 @@ class Look:
         """Refuse what is no name and no number."""
         for text in (self.person, self.site):
             _require_text(text)
-        weights = _numbers(self.weights, 0.0, 1e12, "weight")
+        weights = _numbers(self.weights, -1e12, 1e12, "weight")
         object.__setattr__(self, "weights", weights)
 
 

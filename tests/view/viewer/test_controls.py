@@ -1,5 +1,7 @@
 """What controls show of a state, and what they make of it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,23 @@ def test_weights_are_marked_with_the_fits_interval(own):
         assert one["low"] * one["to"] == pytest.approx(max(low, 0))
         assert one["high"] * one["to"] == pytest.approx(high)
         assert 0 <= one["low"] < one["high"] <= 1
+
+
+def test_parameters_with_bounds_on_both_sides_have_them_as_ends(opened):
+    """The extended model has some that may be negative."""
+    people = dataclasses.replace(opened.samples, options={"model": "extended"})
+    sample = people.sample("China/186", "cheek")
+    for one, parameter, value in zip(
+        weight_controls(sample),
+        sample.skin.model.parameters,
+        sample.skin.values,
+        strict=True,
+    ):
+        assert one["from"] == parameter.lower
+        assert one["from"] <= value <= one["to"] <= parameter.upper
+        assert 0 <= one["low"] <= one["high"] <= 1
+    state = with_weight(ViewState(), sample, 4, -0.5)
+    assert state.look.weights[4] == -0.5
 
 
 def test_a_weight_is_set_alone(own):

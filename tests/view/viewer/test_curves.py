@@ -1,6 +1,7 @@
 """The curves beside the hand are the spectra behind it."""
 
 import dataclasses
+import json
 
 import numpy as np
 
@@ -35,6 +36,17 @@ def test_reflectance_is_measured_fitted_and_by_layers(opened, darkroom):
     assert chart["layout"]["xaxis"]["range"] == list(VISIBLE)
     assert min(at) == 400
     assert max(at) == 700
+
+
+def test_bands_that_were_not_measured_are_gaps(opened):
+    measured = opened.own.measured.copy()
+    measured[3] = np.nan
+    own = dataclasses.replace(opened.own, measured=measured)
+    shown = Darkroom(dataclasses.replace(opened, own=own)).quick(opened.initial, SIZE)
+    chart = reflectance_chart(shown)
+    assert chart["data"][0]["y"][3] is None
+    assert np.isfinite(chart["layout"]["yaxis"]["range"]).all()
+    json.dumps(chart, allow_nan=False)
 
 
 def test_of_mapped_skin_the_mean_is_drawn(opened):
