@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -215,15 +216,14 @@ class Viewer:
 
     async def _draw_still(self, state: ViewState) -> None:
         """Show the picture within the tolerance, unless it has become old."""
-        work = asyncio.ensure_future(
-            self._busily(
-                self._slow, partial(still_frame, self._darkroom, state, self.size)
-            )
-        )
+        outdated = threading.Event()
+        drawing = partial(still_frame, self._darkroom, state, self.size, outdated)
+        work = asyncio.ensure_future(self._busily(self._slow, drawing))
         woken = asyncio.ensure_future(self._wake.wait())
         await asyncio.wait([work, woken], return_when=asyncio.FIRST_COMPLETED)
         woken.cancel()
         if not work.done():
+            outdated.set()
             work.add_done_callback(_forgotten)
             return
         self._tell(still=True, **work.result())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import threading
 import time
 from typing import Any
 
@@ -37,9 +38,27 @@ def quick_frame(
     }
 
 
-def still_frame(darkroom: Darkroom, state: ViewState, size: Size) -> dict[str, Any]:
-    """Return the variables of a state's still picture and its plan."""
-    still = darkroom.still(state, size)
+class OutdatedError(Exception):
+    """What is drawn is no longer wanted."""
+
+
+def still_frame(
+    darkroom: Darkroom, state: ViewState, size: Size, outdated: threading.Event
+) -> dict[str, Any]:
+    """Return the variables of a state's still picture and its plan.
+
+    Raises
+    ------
+    OutdatedError
+        If ``outdated`` is set meanwhile: the processors are wanted for what is new.
+    """
+
+    def go_on(_: int) -> None:
+        if outdated.is_set():
+            raise OutdatedError
+
+    go_on(0)
+    still = darkroom.still(state, size, go_on)
     return {
         "picture": _link("png", png(still.picture)),
         **plan_told(still, state.tolerance),

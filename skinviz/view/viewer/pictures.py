@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from skinviz.errors import SceneWarning
 from skinviz.rendering.held import ONE_RAY, HeldView, hold
+from skinviz.rendering.imager import Advance
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.render import Rendering, render
 from skinviz.rendering.spectral import white_xyz
@@ -124,13 +125,19 @@ class Darkroom:
         picture = tiles.joined(parts, _GAP)
         return Shown(state, samples, stages, held, tiles, picture, scale)
 
-    def still(self, state: ViewState, size: Size) -> Still:
-        """Return the picture that keeps the state's tolerance."""
+    def still(
+        self, state: ViewState, size: Size, advance: Advance | None = None
+    ) -> Still:
+        """Return the picture that keeps the state's tolerance.
+
+        ``advance`` is told the number of pixels done, as they are; what it raises ends
+        the work.
+        """
         started = time.perf_counter()
         tiles = tiles_of(len(state.looks) + state.difference, size)
         samples = tuple(self._sample(look) for look in state.looks)
         scenes = scenes_of(self.opened, state, samples, tiles.size)
-        drawn = [self._drawn(scene, state.tolerance) for scene in scenes]
+        drawn = [self._drawn(scene, state.tolerance, advance) for scene in scenes]
         parts = [one.rgb for one in drawn]
         if state.difference:
             part = _ground(scenes[0], tiles.size)
@@ -145,12 +152,15 @@ class Darkroom:
             tuple(dict.fromkeys(note for one in drawn for note in one.notes)),
         )
 
-    def _drawn(self, scene: Scene, tolerance: float) -> Rendering:
+    def _drawn(
+        self, scene: Scene, tolerance: float, advance: Advance | None
+    ) -> Rendering:
         """Return the rendering of one hand."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SceneWarning)  # told as notes
-            geometry = self.opened.geometry
-            return render(scene, None, tolerance, geometry=geometry)
+            return render(
+                scene, None, tolerance, geometry=self.opened.geometry, advance=advance
+            )
 
     def _view(self, camera: Camera, state: ViewState) -> HeldView:
         """Return a view whose rays are cast, the last ones from memory."""

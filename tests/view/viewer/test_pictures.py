@@ -2,6 +2,7 @@
 
 import dataclasses
 import gc
+import threading
 import tracemalloc
 
 import numpy as np
@@ -13,6 +14,7 @@ from skinviz.errors import SkinvizError
 from skinviz.rendering.held import ONE_RAY
 from skinviz.rendering.tolerance import colour_differences
 from skinviz.view.viewer.controls import with_preset, with_surface
+from skinviz.view.viewer.frames import OutdatedError, still_frame
 from skinviz.view.viewer.opened import open_path, open_scene
 from skinviz.view.viewer.pictures import Darkroom, jpeg, nice_above, png
 from skinviz.view.viewer.shown import camera_of
@@ -33,6 +35,25 @@ def test_at_first_the_scene_is_shown_as_it_is(opened, darkroom, scene_file):
     off = np.abs(still.picture.astype(int) - exact.rgb.astype(int))
     assert np.percentile(off[exact.covered == 16], 99) <= 3
     assert still.plan.tolerance == 1.0
+
+
+def test_a_still_picture_that_is_not_wanted_any_more_is_given_up(opened, darkroom):
+    outdated = threading.Event()
+    outdated.set()
+    with pytest.raises(OutdatedError):
+        still_frame(darkroom, opened.initial, SIZE, outdated)
+
+    class Soon:
+        """Wanted at first, and not once some pixels are done."""
+
+        asked = 0
+
+        def is_set(self):
+            self.asked += 1
+            return self.asked > 1
+
+    with pytest.raises(OutdatedError):
+        still_frame(darkroom, opened.initial, SIZE, Soon())
 
 
 def test_without_a_file_the_shipped_hand_is_shown():
