@@ -23,6 +23,8 @@ if TYPE_CHECKING:
         SkinvizError,
         SystemLibraryError,
     )
+    from skinviz.instruments.derive import read_session
+    from skinviz.instruments.errors import InstrumentError
     from skinviz.rendering.files import read_picture_metadata
     from skinviz.rendering.geometry import geometry_of
     from skinviz.rendering.plan import Plan
@@ -84,6 +86,8 @@ _HOME = {
     "SceneWarning": "errors",
     "SkinvizError": "errors",
     "SystemLibraryError": "errors",
+    "read_session": "instruments.derive",
+    "InstrumentError": "instruments.errors",
     "read_picture_metadata": "rendering.files",
     "geometry_of": "rendering.geometry",
     "Plan": "rendering.plan",

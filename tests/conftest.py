@@ -1,6 +1,7 @@
 """What every test shares: strict floating point and Hypothesis without chance."""
 
 import os
+import signal
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,6 +15,9 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 settings.load_profile("ci")
+
+# A run in the background is told to ignore interrupts, and so would be what it starts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -15,6 +15,7 @@ from skinviz.cli.fit_inputs import (
     read_files,
     require_kinds,
     require_outputs,
+    uncertainty_of,
 )
 from skinviz.cli.output import (
     Steps,
@@ -78,7 +79,7 @@ def fit(
         fraction for reflectance 0-1, percent for 0-100, where the files do not say it.
     uncertainty
         Standard deviation of a band, as reflectance 0-1. The intervals then follow
-        from it, not from the residuals.
+        from it, not from the residuals; so they do where a .nc has uncertainties.
     out
         File to write: .json (which a scene can name), .csv (a row a spectrum), .nc
         (all of it), or .hdr (maps of a cube as an ENVI file).
@@ -154,6 +155,7 @@ def _fit(
     from skinviz.errors import ArgumentError, DataError
     from skinviz.skin.fit import fit_skin
     from skinviz.skin.fitted import GRID, Fitted
+    from skinviz.skin.scale_error import fit_uncertain_scale
 
     if uncertainty is not None and not (0 < uncertainty < np.inf):
         raise ArgumentError(
@@ -164,14 +166,25 @@ def _fit(
         dims = GRID if is_cube(own) else ("record",)
         data = own["reflectance"].transpose(*dims, "wavelength").values
         bands = own["wavelength"].values
-        sigma = None if uncertainty is None else np.full(bands.size, uncertainty)
+        sigma, scale = uncertainty_of(own, uncertainty)
         fits = []
         for model in models:
             begin(f"fit {model.name}" + (f", {file.name}" if len(spectra) > 1 else ""))
             advance = begin.counting(count(own))
             try:
                 fits.append(
-                    fit_skin(data, bands, model, uncertainty=sigma, advance=advance)
+                    fit_uncertain_scale(
+                        data,
+                        bands,
+                        model,
+                        uncertainty=sigma,
+                        scale=scale,
+                        advance=advance,
+                    )
+                    if scale
+                    else fit_skin(
+                        data, bands, model, uncertainty=sigma, advance=advance
+                    )
                 )
             except ArgumentError as error:
                 raise DataError(f"{file}: {error}") from error

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 from skinviz.cli.output import Steps
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray
+    from numpy.typing import NDArray
 
 PICTURES = (".png", ".svg", ".pdf")
 """What a figure can be written as."""
@@ -119,6 +121,34 @@ def require_kinds(
             f"{out}: {size} spectra are too many for {suffix}, at most "
             f"{MOST[suffix]}; write .nc" + (" or .hdr" if one_cube else "")
         )
+
+
+def uncertainty_of(
+    spectra: xarray.Dataset, given: float | None
+) -> tuple[NDArray[np.float64] | None, float]:
+    """Return the standard deviation of each band, and what share all bands share.
+
+    What is given, or else the file's own; in bands without a reflectance it is 1, as
+    any number would do.
+    """
+    import numpy as np
+
+    from skinviz._validate import in_range
+    from skinviz.skin.scale_error import LARGEST_SCALE_ERROR
+
+    reflectance = spectra["reflectance"]
+    if given is not None:
+        return np.full(spectra.sizes["wavelength"], given), 0.0
+    own = spectra.get("uncertainty")
+    if own is None or own.attrs.get("units") != "1":
+        return None, 0.0
+    if set(own.dims) != set(reflectance.dims):
+        return None, 0.0
+    aligned = own.transpose(*reflectance.dims).values.astype(np.float64)
+    known = np.isfinite(reflectance.values)
+    name = "scale_uncertainty"
+    scale = in_range(spectra.attrs.get(name, 0.0), 0.0, LARGEST_SCALE_ERROR, name)
+    return np.where(known, aligned, 1.0), scale
 
 
 def is_cube(spectra: xarray.Dataset) -> bool:

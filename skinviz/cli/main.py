@@ -17,6 +17,7 @@ from skinviz.cli.demo import demo
 from skinviz.cli.figure import figure
 from skinviz.cli.fit import fit
 from skinviz.cli.info import info
+from skinviz.cli.measure import measure
 from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.cli.tradeoff import tradeoff
@@ -33,6 +34,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "figure": figure,
     "tradeoff": tradeoff,
     "view": view,
+    "measure": measure,
     "archive": archive,
     "info": info,
 }

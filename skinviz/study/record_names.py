@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from skinviz.errors import DataError, SkinvizError
-from skinviz.spectra.formats import FORMATS
+from skinviz.study.record_files import SUFFIXES
 from skinviz.study.record_list import FIELDS, Entry, Listing, listing_of
 
 if TYPE_CHECKING:
@@ -123,5 +123,5 @@ def _files_beside(folder: Path, fixed: str, depth: int) -> list[str]:
     return sorted(
         path.relative_to(folder).as_posix()
         for path in (folder / fixed).glob("*/" * depth + "*")
-        if path.suffix.lower() in FORMATS and path.is_file()
+        if path.suffix.lower() in SUFFIXES and path.is_file()
     )

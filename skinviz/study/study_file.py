@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from skinviz._files import existing_file
 from skinviz.errors import DataError, SkinvizError
-from skinviz.spectra.files import read_spectra
 from skinviz.spectra.measurement import as_specular
 from skinviz.study import records as made
 from skinviz.study.layers import with_layers
+from skinviz.study.record_files import read_records
 from skinviz.study.record_list import (
     TRAITS,
     Listing,
@@ -98,7 +98,7 @@ def _study(content: dict[str, Any], home: Path) -> Study:
     @cache
     def read(file: str) -> xarray.Dataset:
         try:
-            return read_spectra(
+            return read_records(
                 home / file, scale=content.get("scale"), specular=specular
             )
         except SkinvizError as error:

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from benches import bench, human, run_session
 from numpy.testing import assert_allclose, assert_array_equal
 from study_folders import BANDS, skin, write_table
 
-from skinviz import DataError, read_study
+from skinviz import DataError, read_session, read_study
+from skinviz.instruments.plan import Plan
 
 
 def gaps_of(study):
@@ -46,6 +48,25 @@ def test_a_table_tells_the_records(tmp_path):
     assert_array_equal(study.spectra["repeat"].values, [1, 2, 1])
     assert_array_equal(study.spectra["group"].values, ["sun", "sun", "shade"])
     assert_array_equal(study.spectra["age_group"].values, ["33", "33", "40-49"])
+
+
+def test_logs_of_sessions_are_records(tmp_path):
+    plan = Plan(sites=("cheek", "back of hand"), repeats=2, warm_up=False)
+    on = bench(subject=human())
+    for name in ("A", "B"):
+        run_session(tmp_path / f"{name}.skinlog", plan, on)
+    head = 'pattern = "{subject}.skinlog"\nlabels = "{site}"\n'
+    (tmp_path / "study.toml").write_text(f'specular = "excluded"\n{head}', "utf-8")
+    study = read_study(tmp_path, strict=True)
+    assert study.levels("subject") == ("A", "B")
+    assert study.levels("site") == ("cheek", "back of hand")
+    expected = read_session(tmp_path / "A.skinlog")
+    assert_array_equal(
+        study.spectra.reflectance.values[:2], expected.reflectance.values
+    )
+    (tmp_path / "study.toml").write_text(f'specular = "included"\n{head}', "utf-8")
+    with pytest.raises(DataError, match="leaves the surface reflection out"):
+        read_study(tmp_path, strict=True)
 
 
 def test_records_can_be_listed_one_by_one(tmp_path):

@@ -1,0 +1,1 @@
+"""Spectroradiometers and rotation stages on a serial port: measure, log, derive."""
