@@ -55,7 +55,7 @@ def build_hands(v: Any, html: Any) -> None:
             "people",
             clearable=True,
             searched=True,
-            placeholder="the scene's own",
+            placeholder=("skin_name",),
             persistent_placeholder=True,
         )
         select(v, "site", "body site", "sites", disabled=("!person",))
