@@ -104,8 +104,13 @@ def shown_anew(page):
 
 def picture(page):
     """Return the still picture that the page shows (height, width, 3)."""
-    wait_still(page)
-    kind, content = page.locator(PICTURE).get_attribute("src").split(",")
+    source = page.wait_for_function(
+        """() => {
+          const shown = document.querySelector('[data-test=picture]');
+          return shown.dataset.still === 'true' && shown.src;
+        }"""
+    )
+    kind, content = source.json_value().split(",")
     assert kind == "data:image/png;base64"
     with Image.open(io.BytesIO(base64.b64decode(content))) as image:
         return np.asarray(image.convert("RGB"))
@@ -137,7 +142,7 @@ def test_the_page_shows_the_hand_its_skin_and_its_light(page):
     assert curves(page, "reflectance")[:2] == ["measured", "fitted"]
     assert curves(page, "illuminant") == ["D65"]
     assert page.locator(".sv-range").count() == 3
-    assert "ΔE00 ≤ 1" in page.locator("[data-test=status]").inner_text()
+    page.get_by_text("still: ΔE00 ≤ 1").wait_for()
     assert "sampling" in page.locator("[data-test=plan]").inner_text()
 
 
