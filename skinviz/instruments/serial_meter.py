@@ -183,7 +183,4 @@ class SerialMeter(ABC):
 
     def _line(self, within: float) -> bytes:
         """Return the next line that is not blank."""
-        while True:
-            line = self._link.line(within)
-            if line.strip():
-                return line
+        return self._link.wanted_line(within, bytes.strip)

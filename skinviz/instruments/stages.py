@@ -203,9 +203,14 @@ class ZaberStage:
         """Return the answer to the last command; alerts and the like are passed."""
         deadline = time.monotonic() + _ANSWER
         while True:
-            line = self._link.line(max(0.0, deadline - time.monotonic()))
-            if not line.startswith(b"@"):
-                continue
+            left = deadline - time.monotonic()
+            line = self._link.wanted_line(left, lambda line: line.startswith(b"@"))
             reply = replies.reply_of(line)
             if reply.message in (None, self._message):
                 return reply
+            if left <= 0:
+                raise MalformedReply(
+                    "the stage answers to other commands only; end the program that "
+                    "uses it too",
+                    raw=line,
+                )

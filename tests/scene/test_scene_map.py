@@ -176,7 +176,10 @@ def test_skin_may_be_painted_in_an_image(folder):
 
 WRONG = {
     "place": ("[skin.map]\nbakc = {}\n", "did you mean 'back'"),
-    "no hand": ("[skin.map]\nback = {}\n", "no hand; give points as vertices or coordinates"),
+    "no hand": (
+        "[skin.map]\nback = {}\n",
+        "no hand; give points as vertices or coordinates",
+    ),
     "kind": ("[skin.map]\nback = 3\n", "the point 'back'.*weights as"),
     "change": ("[skin.map]\nback = { melanin = 'y2' }\n", "melanin must be x2"),
     "count": ("[[skin.point]]\nvertex = 1\nskin = [0.1]\n", "must have shape"),
