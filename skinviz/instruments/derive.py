@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from skinviz.errors import DataError
 from skinviz.instruments.arrangement import SAMPLE, Arrangement
 from skinviz.instruments.certificate import Certificate
 from skinviz.instruments.errors import InstrumentError
@@ -25,7 +26,7 @@ from skinviz.instruments.skinlog import SkinLog, read_log
 if TYPE_CHECKING:
     import xarray
 
-_FREE_OF_GLOSS = -20.0  # degrees; beyond, on the viewer's side, no facet mirrors
+_FREE_OF_GLOSS = 40.0  # degrees; no facet is tilted so far that it would mirror
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,11 @@ def derive(log: SkinLog) -> Derived:
     frames = frames_of(log)
     certificate = Certificate.from_json(log.header["certificate"])
     certified, u_certified = certificate.at(frames.wavelengths)
+    if not np.isfinite(certified).any():
+        raise DataError(
+            "no band of the readings is in the white's certificate; measure with the "
+            "certificate of the tile"
+        )
     plan = frames.plan
     factors: dict[tuple[str, float, str], Factor] = {}
     bends: dict[tuple[str, float, str], float] = {}
@@ -144,7 +150,7 @@ def _asymmetry(
     bends: dict[tuple[str, float, str], float],
 ) -> tuple[float, float] | None:
     """Return s over p where there is no gloss, and its uncertainty, if measured."""
-    free = [a for a in plan.illumination if a <= _FREE_OF_GLOSS]
+    free = [a for a in plan.illumination if (plan.viewing - a) / 2 >= _FREE_OF_GLOSS]
     pairs = [
         (factors[site, a, "s"], factors[site, a, "p"])
         for a in free
