@@ -165,6 +165,7 @@ def test_ports_are_listed(monkeypatch, capsys):
         (["a.skinlog", *SIM, "--stage", "/dev/no", "--yes"], "both be"),
         (["a.skinlog", *SIM, "--resume", "--site", "x"], "--resume"),
         (["a.skinlog", "--port", "sim://pr9"], "choose one of"),
+        (["a.skinlog", *SIM, "--stage", "sim://pr650"], "one of: zaber"),
         (["a.skinlog", *SIM, "--export", "a.doc"], "suffix of --export"),
         (["a.skinlog", *SIM, "--gonio", "a.nc"], "suffix of --gonio"),
         (["a.skinlog", "--port", "sim://pr655?time=slow"], "quick, real"),
@@ -276,3 +277,37 @@ def test_the_live_screen_shows_step_spectrum_and_error(monkeypatch):
     text = shown.getvalue()
     for word in ("2 of 5: cheek", "reading 2 of 5", "low light", "made good: nothing"):
         assert word in text
+
+
+def test_a_torn_line_is_told_and_kept_told(log, tmp_path, capsys):
+    words = ["measure", str(log), *SIM, "--yes"]
+    assert main([*words, *_plan(tmp_path)]) == 0
+    log.write_bytes(log.read_bytes()[:-3])
+    capsys.readouterr()
+    assert main(["measure", str(log)]) == 0
+    told = capsys.readouterr().out
+    assert "bytes of a torn last line are lost" in told
+    assert main([*words, "--resume"]) == 0
+    assert "bytes of a torn last line are lost" in capsys.readouterr().out
+
+
+def test_a_setting_that_is_refused_leaves_no_log(log, tmp_path, capsys):
+    plan = tmp_path / "long.toml"
+    plan.write_text("[readings]\nexposure = 30\n", "utf-8")
+    assert main(["measure", str(log), *SIM, "--yes", "--plan", str(plan)]) == 1
+    assert "change it or leave it out" in capsys.readouterr().err
+    assert not log.exists()
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_an_interruption_says_what_there_is(begun, log, monkeypatch, capsys):
+    def interrupted(*_):
+        if begun:
+            log.touch()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("skinviz.cli.measure_bench.measured", interrupted)
+    assert main(["measure", str(log), *SIM, "--yes"]) == 1
+    told = capsys.readouterr().err
+    assert ("--resume" in told) == begun
+    assert ("before anything was measured" in told) != begun
