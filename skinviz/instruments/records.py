@@ -42,23 +42,26 @@ def require_records(file: Path, records: Iterable[Mapping[str, Any]]) -> None:
     """
     sizes: dict[int, int] = {}
     for at, record in enumerate(records, start=1):
-        kind = record.get("kind")
-        for key, types in _KEYS.get(kind, {}).items() if isinstance(kind, str) else ():
-            if not isinstance(record.get(key), types):
-                raise _other(file, at, f"its {kind} has no right {key!r}")
-        if kind == "header":
-            if not all(isinstance(record["meter"].get(key), str) for key in _METER):
-                raise _other(file, at, f"its meter lacks {', '.join(_METER)}")
-        elif kind == "grid":
+        lack = _lack(record, sizes)
+        if lack:
+            raise DataError(
+                f"{file} line {at}: {lack}; read the log with the version that wrote it"
+            )
+        if record["kind"] == "grid":
             sizes[record["grid"]] = len(record["wavelengths"])
-        elif kind == "reading" and sizes.get(record["grid"]) != len(record["radiance"]):
-            raise _other(file, at, "its reading is on a grid that was not told before")
-        elif not isinstance(kind, str):
-            raise _other(file, at, "it says no kind")
 
 
-def _other(file: Path, at: int, what: str) -> DataError:
-    """Return the error of a line that another program must have written."""
-    return DataError(
-        f"{file} line {at}: {what}; read the log with the version that wrote it"
-    )
+def _lack(record: Mapping[str, Any], sizes: Mapping[int, int]) -> str:
+    """Return what a record lacks after grids of these sizes, "" if nothing."""
+    kind = record.get("kind")
+    if not isinstance(kind, str):
+        return "it says no kind"
+    for key, types in _KEYS.get(kind, {}).items():
+        if not isinstance(record.get(key), types):
+            return f"its {kind} has no right {key!r}"
+    if kind == "header":
+        if not all(isinstance(record["meter"].get(key), str) for key in _METER):
+            return f"its meter lacks {', '.join(_METER)}"
+    elif kind == "reading" and sizes.get(record["grid"]) != len(record["radiance"]):
+        return "its reading is on a grid that was not told before"
+    return ""

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import sys
 
 import numpy as np
@@ -11,9 +12,9 @@ from benches import bench
 import skinviz
 from skinviz.cli.main import main
 from skinviz.cli.measure_hands import Asking, in_words, requests
-from skinviz.cli.measure_screen import LiveScreen, plotted, scatter
+from skinviz.cli.measure_screen import LiveScreen, Screen, plotted, scatter, screen
 from skinviz.instruments.arrangement import Arrangement
-from skinviz.instruments.errors import NoReply
+from skinviz.instruments.errors import NoReply, Stopped
 from skinviz.instruments.meters import Reading
 from skinviz.instruments.plan import Step
 from skinviz.instruments.simulate.pr655 import SimulatedPR655
@@ -251,6 +252,59 @@ def test_a_spectrum_is_drawn_to_its_size():
     assert dots[-1, [0, -1]].all()
     assert not dots[-1, 15:25].any()
     assert plotted(nm, np.zeros(101))  # darkness too
+
+
+@pytest.mark.parametrize(("width", "height"), [(100, 30), (60, 24), (40, 15), (25, 8)])
+def test_the_screen_fits_its_terminal(width, height):
+    from rich.console import Console
+
+    text = io.StringIO()
+    console = Console(file=text, width=width, height=height)
+    shown = LiveScreen(console)
+    shown.close()
+    shown.begins(Step(1, "white before", Arrangement()), 10)
+    nm = np.arange(380.0, 781.0, 4.0)
+    reading = Reading(nm, nm / 1e6, 0.1, (), b"")
+    shown.read(Step(1, "white before", Arrangement()), [reading] * 3, 5)
+    console.print(shown._panel())
+    lines = text.getvalue().splitlines()
+    assert max(map(len, lines)) <= width
+    assert len(lines) <= height
+    assert any("scatter" in line for line in lines)
+    drawn = [line for line in lines if "│\u2800" in line]
+    assert bool(drawn) == (width >= 40)
+    assert any("780 nm" in line for line in lines) == bool(drawn)
+
+
+@pytest.mark.parametrize("poor", [{"TERM": "dumb"}, {"PYTHONIOENCODING": "ascii"}])
+def test_terminals_that_cannot_draw_get_lines(poor, monkeypatch):
+    class Terminal(io.TextIOWrapper):
+        def isatty(self):
+            return True
+
+    monkeypatch.setenv("TERM", poor.get("TERM", "xterm"))
+    encoding = poor.get("PYTHONIOENCODING", "utf-8")
+    monkeypatch.setattr(sys, "stderr", Terminal(io.BytesIO(), encoding=encoding))
+    with screen(quiet=False) as shown:
+        assert type(shown) is Screen
+
+
+def test_words_are_no_answer(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "stdin", io.StringIO("no\nwait\n\n"))
+    Screen().ask(["Open the shutter"])
+    assert capsys.readouterr().err.count("Press Enter") == 3
+
+
+def test_what_was_typed_before_a_question_is_no_answer(monkeypatch):
+    master, slave = os.openpty()
+    os.write(master, b"\n\n\n")
+    monkeypatch.setattr(Screen, "_write", lambda *_, **__: os.write(master, b"q\n"))
+    with os.fdopen(slave, "r") as terminal:
+        monkeypatch.setattr(sys, "stdin", terminal)
+        with pytest.raises(Stopped):
+            Screen().ask([])
+        monkeypatch.undo()
+    os.close(master)
 
 
 def test_the_scatter_of_repeats():
