@@ -50,7 +50,7 @@ class Screen:
         _forget_keys()
         while True:
             self._write("Press Enter when it is done, q and Enter to stop: ", end="")
-            answer = sys.stdin.readline()
+            answer = sys.stdin.readline() if sys.stdin else ""
             if not answer:
                 raise SkinvizError(
                     "nobody is there to arrange the bench; run this in a terminal, or "
@@ -205,7 +205,7 @@ def screen(*, quiet: bool) -> Iterator[Screen]:
 
 def _forget_keys() -> None:
     """Forget what was typed before the question: it cannot be the answer."""
-    if sys.stdin.isatty():
+    if sys.stdin and sys.stdin.isatty():
         with contextlib.suppress(ImportError, OSError):
             import termios
 

@@ -49,10 +49,12 @@ class SerialMeter(ABC):
             self._enter()
             self.info = self._identity()
             self._learn()
-        except LinkError as error:
+        except (LinkError, CommandRejected) as error:
             link.close()
             raise type(error)(
-                f"{error} (the driver is for {type(self).__name__})", raw=error.raw
+                f"{error} (the driver is for {type(self).__name__})",
+                raw=error.raw,
+                code=error.code,
             ) from error
         except InstrumentError:
             link.close()

@@ -194,9 +194,11 @@ def test_a_person_is_asked_and_may_stop(log, tmp_path, monkeypatch, capsys):
     assert main(words) == 1
     assert "--resume" in capsys.readouterr().err
     log.unlink()
-    monkeypatch.setattr(sys, "stdin", io.StringIO(""))
-    assert main(words) == 1
-    assert "--yes" in capsys.readouterr().err
+    for nobody in (io.StringIO(""), None):
+        monkeypatch.setattr(sys, "stdin", nobody)
+        assert main(words) == 1
+        assert "--yes" in capsys.readouterr().err
+        log.unlink()
 
 
 def test_a_port_by_its_name_is_measured_at_with_a_certificate(

@@ -249,3 +249,20 @@ def test_a_meter_that_left_its_remote_mode_is_entered_anew():
         with pytest.raises(NoReply):
             meter.measure(within=0.1)
         assert meter.measure().radiance.max() > 0
+
+
+@pytest.mark.parametrize("model", METERS)
+def test_queued_faults_meet_one_measurement_each(model):
+    with simulated(model) as (meter, device):
+        device.faults.add(["", "over", ""])
+        meter.measure()
+        with pytest.raises(OverRange):
+            meter.measure()
+        meter.measure()
+
+
+def test_an_answer_of_another_model_names_the_driver():
+    pairs = [(b"B0\n", b"-1000\r\n")]
+    with script(*pairs) as link, pytest.raises(CommandRejected, match="PR650") as seen:
+        PR650(link, pauses=0)
+    assert seen.value.code == -1000
