@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / ".venv"
 CONSTRAINTS = ROOT / "constraints.txt"
 SYSTEM = ROOT / "skinviz" / "_system.py"
+BROWSER = "chromium"
 
 
 def ready_python(*extras: str) -> Path:
@@ -32,6 +33,8 @@ def ready_python(*extras: str) -> Path:
         _install(python, extras)
         stamp.write_text(wanted, encoding="utf-8")
     _ensure_system_libraries(python)
+    if "dev" in extras:
+        _ensure_browser()
     return python
 
 
@@ -106,11 +109,29 @@ def _ensure_system_libraries(python: Path) -> None:
         sys.exit("the system libraries are still missing; see above")
 
 
+def _ensure_browser() -> None:
+    """Install or name the browser that tests of the viewer's page drive."""
+    if shutil.which(BROWSER):
+        return
+    if _is_root() and shutil.which("apt-get"):
+        _apt_install([BROWSER], "a browser for the tests of the viewer")
+        return
+    print(
+        f"{BROWSER} is missing, which tests of the viewer's page drive: install it, or "
+        "leave them out with: -m 'not browser'",
+        flush=True,
+    )
+
+
+def _is_root() -> bool:
+    """Return whether this process may install packages."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0
+
+
 def _apt_install(packages: list[str], what: str) -> None:
     """Run apt-get as root, or say the line to run."""
     line = ["apt-get", "install", "-y", "--no-install-recommends", *packages]
-    root = hasattr(os, "geteuid") and os.geteuid() == 0
-    if not (root and shutil.which("apt-get")):
+    if not (_is_root() and shutil.which("apt-get")):
         sys.exit(f"{what} missing; run: apt-get update && {' '.join(line)}")
     print(f"installing {what}: {' '.join(line)}", flush=True)
     quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}

@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from skinviz.surface.phong import Phong
     from skinviz.surface.torrance_sparrow import TorranceSparrow
     from skinviz.view.gallery.catalogue import GalleryFigure, figure
+    from skinviz.view.viewer.show import show
 
 # Loaded when first used, so that ``import skinviz`` costs next to nothing.
 _HOME = {
@@ -153,6 +154,7 @@ _HOME = {
     "TorranceSparrow": "surface.torrance_sparrow",
     "GalleryFigure": "view.gallery.catalogue",
     "figure": "view.gallery.catalogue",
+    "show": "view.viewer.show",
 }
 
 __all__ = ["__version__", *sorted(_HOME)]  # noqa: PLE0604 - names are in _HOME

@@ -68,7 +68,12 @@ def demo(
     from skinviz.scene.scene import Scene, Skin
     from skinviz.spectra.archives import load_archive
     from skinviz.surface.torrance_sparrow import TorranceSparrow
-    from skinviz.view.figures import hands_figure, save_figure, sites_figure
+    from skinviz.view.figures import (
+        MarkedPoint,
+        hands_figure,
+        save_figure,
+        sites_figure,
+    )
 
     with progress_bar(len(STEPS) + 5) as begin:
         begin("read raw views")
@@ -109,8 +114,7 @@ def demo(
         hands = hands_figure(
             pictures,
             hand,
-            mesh.points[point],
-            vertex_spectrum(scene, point),
+            [MarkedPoint(mesh.points[point], vertex_spectrum(scene, point))],
             "Two-layer Kubelka–Munk skin, Torrance–Sparrow surface, 61 wavelengths "
             f"through CIE XYZ.  Spectrum: {credit}.  Hand: MakeHuman, CC0, simulated "
             "range scan.",

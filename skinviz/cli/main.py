@@ -21,6 +21,7 @@ from skinviz.cli.measure import measure
 from skinviz.cli.render import render
 from skinviz.cli.simulate_scan import simulate_scan
 from skinviz.cli.tradeoff import tradeoff
+from skinviz.cli.view import view
 from skinviz.errors import SkinvizError
 
 VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
@@ -32,6 +33,7 @@ VERBS: dict[str, Callable[..., None] | cyclopts.App] = {
     "compare": compare,
     "figure": figure,
     "tradeoff": tradeoff,
+    "view": view,
     "measure": measure,
     "archive": archive,
     "info": info,

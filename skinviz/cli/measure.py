@@ -165,6 +165,8 @@ def _measure(wanted: Wanted, *, quiet: bool) -> None:
         try:
             measured(wanted, shown)
         except KeyboardInterrupt as error:
+            if not wanted.log.exists():
+                raise Stopped("stopped before anything was measured") from error
             raise Stopped(
                 f"stopped; all readings are in {wanted.log}, go on with --resume"
             ) from error

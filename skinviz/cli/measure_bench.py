@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from skinviz import __version__
+from skinviz._validate import one_of
 from skinviz.cli.measure_hands import Asking
 from skinviz.errors import ArgumentError
 from skinviz.instruments.certificate import Certificate, read_certificate
 from skinviz.instruments.opening import begin, resume
 from skinviz.instruments.plan import Plan
 from skinviz.instruments.plan_file import read_plan
-from skinviz.instruments.ports import open_meter, open_stage, port_of
+from skinviz.instruments.ports import STAGES, open_meter, open_stage, port_of
 from skinviz.instruments.serial_meter import SerialMeter
 from skinviz.instruments.serial_ports import list_ports
 from skinviz.instruments.session import Hands
@@ -141,6 +142,8 @@ def _require_one_world(wanted: Wanted, *, simulated: bool) -> None:
             "a simulated stage turns a simulated lamp; let --port and --stage both be "
             "simulated, or none"
         )
+    if wanted.stage is not None and simulated:
+        one_of(model_of(wanted.stage), STAGES, "simulated stage")
     if wanted.resume and (wanted.plan or wanted.white or wanted.subject or wanted.site):
         raise ArgumentError(
             "the log has the plan, the white, subject and sites; leave them out with "

@@ -24,12 +24,13 @@ def session_facts(session: SkinLog, derived: Derived) -> dict[str, Any]:
         strict=True,
     )
     kinds = [record["kind"] for record in session.records]
+    torn = session.torn + sum(record.get("torn", 0) for record in session.records)
     return {
         "subject": plan.subject,
         "instrument": spectra.attrs["instrument"],
         "readings": kinds.count("reading"),
         "errors": kinds.count("error"),
-        "torn_bytes": session.torn,
+        "torn_bytes": torn,
         "spectra": [
             {
                 "label": str(label),
@@ -111,4 +112,6 @@ def report_lines(told: dict[str, Any]) -> list[str]:
             f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x:g}"
             for key, x in lobe["surface"].items()
         ]
+    if told["torn_bytes"]:
+        lines.append(f"note: {told['torn_bytes']} bytes of a torn last line are lost")
     return lines + [f"note: {note}" for note in told["notes"]]

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 _WIDTH, _HEIGHT = 64, 12  # of the plot, in letters
 _DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of Braille's letters
 _BLANK = 0x2800
+_LABEL, _FRAME, _OTHER_LINES = 11, 4, 9  # left of the plot, around all, not the plot
+_LEAST = 16  # letters, below which a plot says nothing
+_AXIS = "radiance, W/(m² sr nm)"
 _LINE = 78
 _SETTLING = "until three in a row agree"
 _BULLET = textwrap.TextWrapper(_LINE, initial_indent="  * ", subsequent_indent="    ")
@@ -44,15 +47,19 @@ class Screen:
         """
         for request in requests:
             self._write(_BULLET.fill(request))
-        self._write("Press Enter when it is done, q and Enter to stop: ", end="")
-        answer = sys.stdin.readline()
-        if not answer:
-            raise SkinvizError(
-                "nobody is there to arrange the bench; run this in a terminal, or with "
-                "--yes at a simulated one"
-            )
-        if answer.strip().lower() in ("q", "quit"):
-            raise Stopped("stopped as asked; go on with --resume")
+        _forget_keys()
+        while True:
+            self._write("Press Enter when it is done, q and Enter to stop: ", end="")
+            answer = sys.stdin.readline() if sys.stdin else ""
+            if not answer:
+                raise SkinvizError(
+                    "nobody is there to arrange the bench; run this in a terminal, or "
+                    "with --yes at a simulated one"
+                )
+            if not answer.strip():
+                return
+            if answer.strip().lower() in ("q", "quit"):
+                raise Stopped("stopped as asked; go on with --resume")
 
     def begins(self, step: Step, of: int) -> None:
         """Tell the step that begins."""
@@ -92,7 +99,7 @@ class LiveScreen(Screen):
         self._live = self._shown()
         self._title = ""
         self._share = 0.0
-        self._plot: list[str] = []
+        self._last: Reading | None = None
         self._facts = ""
         self._error = ""
 
@@ -117,8 +124,7 @@ class LiveScreen(Screen):
 
     def read(self, step: Step, readings: Sequence[Reading], of: int) -> None:  # noqa: ARG002
         """Show the last spectrum and the scatter."""
-        last = readings[-1]
-        self._plot = plotted(last.wavelengths, last.radiance)
+        last = self._last = readings[-1]
         facts = [f"reading {len(readings)} {f'of {of}' if of else _SETTLING}"]
         if last.exposure is not None:
             facts.append(f"exposure {last.exposure:.3g} s")
@@ -145,17 +151,28 @@ class LiveScreen(Screen):
         """Draw all."""
         self._live.update(self._panel(), refresh=True)
 
+    def _plot(self) -> list[str]:
+        """Return the last spectrum as large as there is room, none if too little."""
+        width = min(_WIDTH, self._console.width - _FRAME - _LABEL)
+        height = min(_HEIGHT, self._console.height - _OTHER_LINES)
+        if self._last is None or width < _LEAST or height < _LEAST // 4:
+            return []
+        return plotted(
+            self._last.wavelengths, self._last.radiance, width=width, height=height
+        )
+
     def _panel(self) -> RenderableType:
         """Return what is shown."""
         from rich.console import Group
         from rich.panel import Panel
         from rich.text import Text
 
-        done = round(self._share * (_WIDTH + 11))
+        whole = max(1, min(_WIDTH + _LABEL, self._console.width - _FRAME))
+        done = round(self._share * whole)
         bar = Text("━" * done, style="green")
-        bar.append("━" * (_WIDTH + 11 - done), style="dim")
+        bar.append("━" * (whole - done), style="dim")
         parts: list[RenderableType] = [bar]
-        parts += [Text(line, no_wrap=True) for line in self._plot]
+        parts += [Text(line, no_wrap=True) for line in self._plot()]
         if self._facts:
             parts.append(Text(self._facts))
         if self._error:
@@ -165,14 +182,18 @@ class LiveScreen(Screen):
 
 @contextlib.contextmanager
 def screen(*, quiet: bool) -> Iterator[Screen]:
-    """Yield where it is shown how measuring goes: a terminal, lines, or nothing."""
+    """Yield where it is shown how measuring goes: a terminal, lines, or nothing.
+
+    Terminals that cannot go back, or have no letters to draw with, get lines.
+    """
     if quiet:
         yield Silent()
         return
     from rich.console import Console
 
     console = Console(stderr=True)
-    if not console.is_terminal:
+    drawn = console.is_terminal and not console.is_dumb_terminal
+    if not drawn or not console.encoding.startswith("utf"):
         yield Screen()
         return
     shown = LiveScreen(console)
@@ -180,6 +201,15 @@ def screen(*, quiet: bool) -> Iterator[Screen]:
         yield shown
     finally:
         shown.close()
+
+
+def _forget_keys() -> None:
+    """Forget what was typed before the question: it cannot be the answer."""
+    if sys.stdin and sys.stdin.isatty():
+        with contextlib.suppress(ImportError, OSError):
+            import termios
+
+            termios.tcflush(sys.stdin, termios.TCIFLUSH)
 
 
 def scatter(spectra: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
@@ -225,5 +255,6 @@ def plotted(
         for label, row in zip(labels, cells, strict=True)
     ]
     first, last = f"{wavelengths[0]:g}", f"{wavelengths[-1]:g} nm"
-    between = "radiance, W/(m² sr nm)".center(max(1, width - len(first) - len(last)))
-    return [*lines, " " * 11 + first + between + last]
+    room = width - len(first) - len(last)
+    between = _AXIS.center(room) if len(_AXIS) + 2 <= room else " " * room
+    return [*lines, " " * _LABEL + first + between + last]

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 FACTOR, UNCERTAINTY = "factor", "uncertainty"
 """Names of the columns of a certificate."""
 
+_VISIBLE = (380.0, 780.0)  # nm, which all meters measure
+
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
@@ -62,10 +64,25 @@ class Certificate:
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Self:
-        """Return what :meth:`to_json` kept."""
-        columns = (data[name] for name in ("wavelengths", "factor", "uncertainty"))
-        nm, factor, u = (np.array(column, dtype=np.float64) for column in columns)
-        return cls(nm, factor, u, str(data["source"]), str(data["sha256"]))
+        """Return what :meth:`to_json` kept.
+
+        Raises
+        ------
+        DataError
+            If it was not that.
+        """
+        names = ("wavelengths", "factor", "uncertainty")
+        try:
+            nm, factor, u = (np.array(data[name], dtype=np.float64) for name in names)
+            found = cls(nm, factor, u, str(data["source"]), str(data["sha256"]))
+        except (KeyError, TypeError, ValueError) as error:
+            raise DataError(
+                "the white's certificate in the log is none; read the log with the "
+                "version that wrote it"
+            ) from error
+        if not nm.ndim == 1 <= nm.size or not nm.shape == factor.shape == u.shape:
+            raise DataError("the columns of the log's certificate differ in length")
+        return found
 
 
 def read_certificate(path: str | os.PathLike[str]) -> Certificate:
@@ -100,6 +117,11 @@ def read_certificate(path: str | os.PathLike[str]) -> Certificate:
             f"{file}: a white's factor is above 0.02 and its uncertainty below a tenth "
             f"of it; got {factor.min():g} and {uncertainty.max():g}"
         )
-    digest = hashlib.sha256(file.read_bytes()).hexdigest()
     wavelengths = table["wavelength"].values.astype(np.float64)
+    if wavelengths[-1] < _VISIBLE[0] or wavelengths[0] > _VISIBLE[1]:
+        raise DataError(
+            f"{file}: a white's certificate is needed for {_VISIBLE[0]:g}-"
+            f"{_VISIBLE[1]:g} nm, in nm; got {wavelengths[0]:g}-{wavelengths[-1]:g}"
+        )
+    digest = hashlib.sha256(file.read_bytes()).hexdigest()
     return Certificate(wavelengths, factor, uncertainty, file.name, digest)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from skinviz.errors import DataError
 from skinviz.instruments.arrangement import SAMPLE, Arrangement
 from skinviz.instruments.certificate import Certificate
 from skinviz.instruments.errors import InstrumentError
@@ -17,7 +18,7 @@ from skinviz.instruments.factor import (
     Factor,
     radiance_factor,
 )
-from skinviz.instruments.frames import Frames, frames_of
+from skinviz.instruments.frames import Frames, White, frames_of
 from skinviz.instruments.plan import BEFORE, Plan
 from skinviz.instruments.polarisation import Separated, Shared, separate
 from skinviz.instruments.skinlog import SkinLog, read_log
@@ -25,7 +26,7 @@ from skinviz.instruments.skinlog import SkinLog, read_log
 if TYPE_CHECKING:
     import xarray
 
-_FREE_OF_GLOSS = -20.0  # degrees; beyond, on the viewer's side, no facet mirrors
+_FREE_OF_GLOSS = 40.0  # degrees; no facet is tilted so far that it would mirror
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +66,16 @@ def derive(log: SkinLog) -> Derived:
     WhiteMissing, DriftExceeded
         If the white is missing before or after, or changed too much.
     DataError
-        If something of the plan was not measured.
+        If something of the plan was not measured, or the white is known in no band.
     """
     frames = frames_of(log)
     certificate = Certificate.from_json(log.header["certificate"])
     certified, u_certified = certificate.at(frames.wavelengths)
+    if not np.isfinite(certified).any():
+        raise DataError(
+            "no band of the readings is in the white's certificate; measure with the "
+            "certificate of the tile"
+        )
     plan = frames.plan
     factors: dict[tuple[str, float, str], Factor] = {}
     bends: dict[tuple[str, float, str], float] = {}
@@ -78,18 +84,10 @@ def derive(log: SkinLog) -> Derived:
         for illumination in plan.illumination:
             for state in plan.states:
                 how = Arrangement(SAMPLE, True, illumination, plan.viewing, state)
-                sample = frames.sample(site, how)
-                white = frames.white(how, sample.time)
+                found, white = _against_white(frames, site, how, certificate)
+                factors[site, illumination, state] = found
                 drifts.append(white.drift)
                 bends[site, illumination, state] = white.bend
-                factors[site, illumination, state] = radiance_factor(
-                    sample,
-                    white.frame,
-                    certified,
-                    u_certified,
-                    ambient_sample=frames.ambient(site, state),
-                    ambient_white=frames.ambient(BEFORE, state),
-                )
     notes = []
     most = max(drifts, key=abs)
     if abs(most) > NOTABLE_DRIFT:
@@ -99,6 +97,28 @@ def derive(log: SkinLog) -> Derived:
     scale = float(np.nanmedian(u_certified / certified))
     parts, asymmetry = _parts(frames, factors, bends, scale)
     return Derived(frames, factors, parts, scale, asymmetry, tuple(notes))
+
+
+def _against_white(
+    frames: Frames, site: str, how: Arrangement, certificate: Certificate
+) -> tuple[Factor, White]:
+    """Return a site's radiance factor in an arrangement, and its white."""
+    sample = frames.sample(site, how)
+    white = frames.white(how, sample.time)
+    found = radiance_factor(
+        sample,
+        white.frame,
+        *certificate.at(frames.wavelengths),
+        ambient_sample=frames.ambient(site, how.state),
+        ambient_white=frames.ambient(BEFORE, how.state),
+    )
+    if not np.isfinite(found.value).any():
+        raise DataError(
+            f"the white at {how.illumination:g}/{how.viewing:g} degrees, polarisers "
+            f"{how.state}, is above the stray light in no band of its certificate; "
+            "measure again, with the lamp shuttered for stray light only"
+        )
+    return found, white
 
 
 def _parts(
@@ -144,7 +164,7 @@ def _asymmetry(
     bends: dict[tuple[str, float, str], float],
 ) -> tuple[float, float] | None:
     """Return s over p where there is no gloss, and its uncertainty, if measured."""
-    free = [a for a in plan.illumination if a <= _FREE_OF_GLOSS]
+    free = [a for a in plan.illumination if (plan.viewing - a) / 2 >= _FREE_OF_GLOSS]
     pairs = [
         (factors[site, a, "s"], factors[site, a, "p"])
         for a in free

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,8 +70,8 @@ def export_spectra(
     if suffix != ".spdx" or spectra.sizes["record"] == 1:
         return [write_spectra(path, spectra)]
     return [
-        write_spectra(_named(path, str(label)), spectra.isel(record=[i]))
-        for i, label in enumerate(spectra["label"].values)
+        write_spectra(name, spectra.isel(record=[i]))
+        for i, name in enumerate(_named(path, spectra["label"].values.tolist()))
     ]
 
 
@@ -140,7 +141,9 @@ def write_lobe(path: Path, lobe: Lobe, source: str) -> Path:
     return path
 
 
-def _named(path: Path, label: str) -> Path:
-    """Return a path with a record's label in its name."""
-    word = re.sub(r"[^a-z0-9]+", "-", label.lower()).strip("-") or "spectrum"
-    return path.with_name(f"{path.stem}-{word}{path.suffix}")
+def _named(path: Path, labels: Sequence[str]) -> list[Path]:
+    """Return a path for each record with its label in the name, all different."""
+    words = [re.sub(r"[\W_]+", "-", label.lower()).strip("-") for label in labels]
+    if len(set(words)) < len(words) or not all(words):
+        words = [f"{i}-{word}".rstrip("-") for i, word in enumerate(words, start=1)]
+    return [path.with_name(f"{path.stem}-{word}{path.suffix}") for word in words]

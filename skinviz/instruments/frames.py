@@ -44,8 +44,8 @@ class Frames:
         [nm]
     by_step : dict of int to tuple of Frame
         The steps' means in the order of time: one for each segment of the session in
-        which all the step's readings were taken. Of a step whose stray light was too
-        dark to be measured there is none.
+        which all the step's readings were taken. Of stray light that was too dark to
+        be measured twice there is none.
     """
 
     plan: Plan
@@ -136,6 +136,7 @@ def frames_of(log: SkinLog) -> Frames:
     plan = Plan.from_json(log.header["plan"])
     grids = {r["grid"]: r["wavelengths"] for r in log.records if r["kind"] == "grid"}
     readings: dict[tuple[int, int], dict[int, tuple[list[float], float]]] = {}
+    dark: dict[tuple[int, int], set[int]] = {}
     used: set[int] = set()
     for record in log.records:
         if record["kind"] == "reading" and record["step"] >= 0:
@@ -143,6 +144,9 @@ def frames_of(log: SkinLog) -> Frames:
             time = (record["begun"] + record["t"]) / 2
             readings.setdefault(key, {})[record["repeat"]] = (record["radiance"], time)
             used.add(record["grid"])
+        elif record["kind"] == "dark":
+            key = (record["step"], record["segment"])
+            dark.setdefault(key, set()).add(record["repeat"])
     if len(used) != 1:
         raise DataError(
             "there is no reading in the log yet; go on with --resume"
@@ -150,8 +154,10 @@ def frames_of(log: SkinLog) -> Frames:
             else "the readings have several grids; measure with one instrument"
         )
     by_step: dict[int, list[Frame]] = {}
-    for (step, _), taken in sorted(readings.items()):
-        if len(taken) >= plan.repeats:
+    for key, taken in sorted(readings.items()):
+        step, _ = key
+        done = len(taken | dict.fromkeys(dark.get(key, ())))
+        if done >= plan.repeats and len(taken) > 1:
             values, times = zip(*taken.values(), strict=True)
             by_step.setdefault(step, []).append(frame_of(values, times))
     wavelengths = np.array(grids[used.pop()])

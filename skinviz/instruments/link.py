@@ -27,6 +27,8 @@ from skinviz.instruments.errors import (
 
 LONGEST_LINE = 4096  # bytes; no instrument sends more before a line's end
 
+_LONGEST_NOISE = 65536  # bytes to throw away; no late reply is longer
+
 SLICE = 0.1
 """After which a wait looks whether it is to stop. [s]"""
 
@@ -126,6 +128,28 @@ class Link:
             if not self._receive(deadline):
                 raise self._silence(within)
 
+    def wanted_line(self, within: float, is_wanted: Callable[[bytes], object]) -> bytes:
+        """Return the next line that is wanted; others are passed.
+
+        Raises
+        ------
+        MalformedReply
+            If only others came within so many seconds.
+        NoReply, TruncatedReply, LinkLost, Stopped
+            As for :meth:`line`.
+        """
+        deadline = self._clock() + within
+        while True:
+            line = self.line(deadline - self._clock())
+            if is_wanted(line):
+                return line
+            if self._clock() >= deadline:
+                raise MalformedReply(
+                    f"{self.name} sends nothing but something else; check that this is "
+                    "the instrument's port",
+                    raw=line,
+                )
+
     def lines(self, count: int, within: float) -> list[bytes]:
         """Return so many lines, each within so many seconds of the one before.
 
@@ -174,11 +198,25 @@ class Link:
         return found
 
     def drain(self, quiet: float = 0.0, *, at_most: float = 5.0) -> bytes:
-        """Throw away what has come, until so many seconds of silence; return it."""
+        """Throw away what has come, until so many seconds of silence; return it.
+
+        Raises
+        ------
+        MalformedReply
+            If there is no silence within ``at_most`` seconds.
+        LinkLost, Stopped
+            As for :meth:`line`.
+        """
         thrown = bytearray(self._take())
         end = self._clock() + at_most
         while self._receive(min(self._clock() + quiet, end)):
             thrown += self._take()
+            if self._clock() > end or len(thrown) > _LONGEST_NOISE:
+                raise MalformedReply(
+                    f"{self.name} sends without ever pausing; check that this is the "
+                    "instrument's port and its baud rate",
+                    raw=bytes(thrown[:LONGEST_LINE]),
+                )
         self._after_return = False
         if thrown:
             self._note(False, bytes(thrown))

@@ -43,7 +43,8 @@ def lobe_of(derived: Derived, site: str) -> Lobe:
     Raises
     ------
     SkinvizError
-        If no states were measured that tell surface and body apart.
+        If no states were measured that tell surface and body apart, or nothing is
+        known of 400–700 nm.
     """
     plan, nm = derived.frames.plan, derived.frames.wavelengths
     inside = (nm >= _BAND[0]) & (nm <= _BAND[1])
@@ -52,6 +53,11 @@ def lobe_of(derived: Derived, site: str) -> Lobe:
         part = derived.parts.get((site, illumination))
         if part is None or illumination < 0:
             continue
+        if not np.isfinite(part.u_specular[inside]).any():
+            raise SkinvizError(
+                f"no band of {_BAND[0]:g}-{_BAND[1]:g} nm is known at {illumination:g} "
+                "degrees; the lobe needs a white's certificate and light there"
+            )
         cosine = np.cos(np.deg2rad(illumination))
         value, _ = weighted_mean(part.specular[inside], part.u_specular[inside])
         rows.append(

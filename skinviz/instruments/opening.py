@@ -44,7 +44,10 @@ def begin(
     ------
     SkinvizError
         If the log cannot be written.
+    InstrumentError
+        If the meter does not take what the plan sets; there is no log then.
     """
+    _configure(meter, plan)  # what it refuses leaves no log of a plan that cannot be
     zero = clock()
     log = LogWriter.create(
         path,
@@ -56,11 +59,6 @@ def begin(
             "meter": asdict(meter.info),
         },
     )
-    try:
-        _configure(meter, plan)
-    except BaseException:
-        log.close()
-        raise
     return Session(plan, log, 0, frozenset(), [], lambda: clock() - zero)
 
 

@@ -92,14 +92,15 @@ def _value(value: Any, kind: str, where: str) -> Any:
     right = isinstance(value, _KINDS[kind]) and isinstance(value, bool) == (
         kind == _FLAG
     )
+    told = value
     if right and kind == _TEXTS:
         right = all(isinstance(item, str) for item in value)
-        value = tuple(value)
+        told = tuple(value)
     if right and kind == _ANGLES:
-        value, right = _angles(value)
+        told, right = _angles(value)
     if not right:
         raise ArgumentError(f"{where} must be {kind}; got {value!r}")
-    return value
+    return told
 
 
 def _angles(value: Any) -> tuple[tuple[float, ...], bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from skinviz.instruments import pr650_replies as replies
-from skinviz.instruments.errors import MalformedReply, NoReply, WrongDevice
+from skinviz.instruments.errors import NoReply, WrongDevice
 from skinviz.instruments.meters import DeviceInfo, Reading
 from skinviz.instruments.serial_meter import SerialMeter
 
@@ -56,7 +56,8 @@ class PR650(SerialMeter):
     def _reread(self) -> Reading:
         """Read the rows again, which a measurement that failed left as they were."""
         if not self._last:
-            raise MalformedReply("there is no measurement to read again; measure first")
+            # As after silence: what it holds may be the measurement before.
+            raise NoReply("the data of the measurement did not come; measure again")
         return self._spectrum(b"D5", _ANSWER)
 
     def _set(self, exposure: float, average: int, sync: bool) -> None:

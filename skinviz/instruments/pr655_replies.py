@@ -39,7 +39,9 @@ _VERDICTS: dict[int, tuple[type[InstrumentError], str]] = {
     -12: (Unsteady, "adaptive exposure did not end; set an exposure"),
     -2000: (CommandRejected, "it has no such data; use a model this driver is for"),
 }
-_REJECTED = "it does not know this setting; leave it out for this model"
+_REJECTED = (
+    "it does not take this setting, or not this value; change it or leave it out"
+)
 
 
 def status_of(line: bytes) -> int:

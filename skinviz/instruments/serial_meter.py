@@ -49,10 +49,12 @@ class SerialMeter(ABC):
             self._enter()
             self.info = self._identity()
             self._learn()
-        except LinkError as error:
+        except (LinkError, CommandRejected) as error:
             link.close()
             raise type(error)(
-                f"{error} (the driver is for {type(self).__name__})", raw=error.raw
+                f"{error} (the driver is for {type(self).__name__})",
+                raw=error.raw,
+                code=error.code,
             ) from error
         except InstrumentError:
             link.close()
@@ -183,7 +185,4 @@ class SerialMeter(ABC):
 
     def _line(self, within: float) -> bytes:
         """Return the next line that is not blank."""
-        while True:
-            line = self._link.line(within)
-            if line.strip():
-                return line
+        return self._link.wanted_line(within, bytes.strip)

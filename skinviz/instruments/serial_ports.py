@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import errno
+import re
 import threading
 from dataclasses import dataclass
 from typing import Any
+from urllib.parse import urlsplit
 
 from skinviz.instruments.errors import PortUnavailable
 from skinviz.instruments.link import SLICE, Link
@@ -19,6 +21,8 @@ _OPENING = {
     errno.EPERM: "you may not use it; add yourself to the group that owns it",
     errno.EAGAIN: "another program has it open; close that program",
     errno.EBUSY: "another program has it open; close that program",
+    errno.EISDIR: "it is a folder; name a port, see 'skinviz measure --list'",
+    errno.ENOTTY: "it is no serial port; see 'skinviz measure --list'",
     errno.ECONNREFUSED: "nothing listens there; start the server of the port",
 }
 
@@ -87,6 +91,7 @@ def open_link(
     """
     import serial
 
+    _require_address(url)
     options: dict[str, Any] = {} if "://" in url else {"exclusive": True}
     try:
         port = serial.serial_for_url(
@@ -95,6 +100,22 @@ def open_link(
     except (OSError, ValueError) as error:  # SerialException is an OSError
         raise PortUnavailable(f"cannot open {url}: {_why(error)}") from error
     return Link(port, url, stop=stop)
+
+
+def _require_address(url: str) -> None:
+    """Refuse a remote port without host and number, of which pyserial says little."""
+    scheme, mark, rest = url.partition("://")
+    if not mark or scheme not in ("socket", "rfc2217"):
+        return
+    try:
+        told = urlsplit(f"//{rest}")
+        whole = bool(told.hostname and told.port)
+    except ValueError:
+        whole = False
+    if not whole:
+        raise PortUnavailable(
+            f"cannot open {url}: write host and number, as {scheme}://192.168.1.7:4001"
+        )
 
 
 def _why(error: Exception) -> str:
@@ -106,6 +127,6 @@ def _why(error: Exception) -> str:
             return _OPENING[number]
         cause = cause.__cause__ or cause.__context__
     for number, advice in _OPENING.items():
-        if f"[Errno {number}]" in str(error):
+        if re.search(rf"\[Errno {number}\]|\({number}, '", str(error)):
             return advice
     return f"{error}; check the port's name"

@@ -7,7 +7,6 @@ are only appended; what follows from readings is never in the log.
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
 import os
 import zlib
@@ -18,6 +17,7 @@ from typing import Any, Self
 
 from skinviz._files import existing_file
 from skinviz.errors import DataError, SkinvizError
+from skinviz.instruments.records import require_records
 
 SCHEMA = "skinlog 1"
 """What the first line says of the format."""
@@ -84,8 +84,8 @@ def read_log(path: str | os.PathLike[str]) -> SkinLog:
     Raises
     ------
     DataError
-        If the file is missing or no log, or another line than the last is damaged;
-        the message names it.
+        If the file is missing or no log, or another line than the last is damaged or
+        lacks what is read of it; the message names it.
     """
     file = existing_file(path, DataError)
     try:
@@ -112,6 +112,7 @@ def read_log(path: str | os.PathLike[str]) -> SkinLog:
         raise DataError(
             f"{file}: written as {header.get('schema')!r}; this version reads {SCHEMA}"
         )
+    require_records(file, records)
     return SkinLog(header, tuple(records[1:]), torn)
 
 
@@ -140,16 +141,17 @@ class LogWriter:
             raise SkinvizError(f"{file}: a session's log ends in {SUFFIX}; rename it")
         # Under another name until the header is on the disk: a log always has one.
         partial = file.with_name(f".{file.name}-{os.getpid()}")
+        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_TRUNC
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            handle = os.open(partial, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o666)
+            handle = os.open(partial, flags, 0o666)
         except OSError as error:
             raise _unwritable(file, error) from error
         log = cls(handle, file)
         try:
             log._lock()
             log.append({"kind": "header", "schema": SCHEMA, **header})
-            os.link(partial, file)
+            _rename_new(partial, file)
             _keep_names(file.parent)
         except BaseException as error:
             log.close()
@@ -234,6 +236,13 @@ class LogWriter:
     def _lock(self) -> None:
         """Keep other programs from writing."""
         try:
+            import fcntl
+        except ImportError as error:  # logs are read on any system
+            raise SkinvizError(
+                f"cannot write {self.path}: this system cannot keep other programs "
+                "from it; measure on Linux or macOS"
+            ) from error
+        try:
             fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             raise SkinvizError(
@@ -244,6 +253,17 @@ class LogWriter:
 def _unwritable(file: Path, error: OSError) -> SkinvizError:
     """Return the error of a log that cannot be written."""
     return SkinvizError(f"cannot write {file}: {error.strerror}; check its folder")
+
+
+def _rename_new(partial: Path, file: Path) -> None:
+    """Give a file its name, unless there is one of that name."""
+    try:
+        os.link(partial, file)
+    except FileExistsError:
+        raise
+    except OSError:  # sticks and shares that have no second names
+        os.close(os.open(file, os.O_CREAT | os.O_EXCL))
+        partial.replace(file)
 
 
 def _keep_names(folder: Path) -> None:

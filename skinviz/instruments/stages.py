@@ -9,9 +9,11 @@ from typing import ClassVar, Protocol, Self
 from skinviz.instruments import zaber_replies as replies
 from skinviz.instruments.errors import (
     CommandRejected,
+    InstrumentError,
     LinkError,
     MalformedReply,
     StageFault,
+    Stopped,
     WrongDevice,
 )
 from skinviz.instruments.link import Exchange, Link
@@ -99,7 +101,12 @@ class ZaberStage:
                 f"the stage at {link.name} does not say how many steps a turn has; a "
                 "rotary stage is needed"
             ) from error
-        except (LinkError, StageFault):
+        except LinkError as error:
+            link.close()
+            raise type(error)(
+                f"{error} (the driver is for a Zaber stage)", raw=error.raw
+            ) from error
+        except InstrumentError:
             link.close()
             raise
         if not 0 < turn < 1e12:
@@ -137,7 +144,7 @@ class ZaberStage:
         self._ask(f"move abs {steps}")
         self._wait(within)
         reached = self.angle
-        if abs(reached - degrees) > _NEAR:
+        if not abs(reached - degrees) <= _NEAR:
             raise StageFault(
                 f"the stage stands at {reached:.2f} degrees instead of {degrees:g}; "
                 "take away what blocks it, and home it"
@@ -167,14 +174,19 @@ class ZaberStage:
     def _wait(self, within: float) -> None:
         """Wait until the stage has stopped."""
         deadline = time.monotonic() + within
-        while self._exchange("").busy:
-            if time.monotonic() > deadline:
-                self.stop()
-                raise StageFault(
-                    f"the stage still turned after {within:g} s and was stopped; set "
-                    "its speed, or take away what brakes it"
-                )
-            self._link.pause(_POLL)
+        try:
+            while self._exchange("").busy:
+                if time.monotonic() > deadline:
+                    self.stop()
+                    raise StageFault(
+                        f"the stage still turned after {within:g} s and was stopped; "
+                        "set its speed, or take away what brakes it"
+                    )
+                self._link.pause(_POLL)
+        except (Stopped, KeyboardInterrupt):
+            # Whoever stops the program wants the lamp to stop too; no time to listen.
+            self._link.send(replies.command("stop"))
+            raise
 
     def _ask(self, words: str) -> str:
         """Return the data of the answer to a command."""
@@ -203,9 +215,14 @@ class ZaberStage:
         """Return the answer to the last command; alerts and the like are passed."""
         deadline = time.monotonic() + _ANSWER
         while True:
-            line = self._link.line(max(0.0, deadline - time.monotonic()))
-            if not line.startswith(b"@"):
-                continue
+            left = deadline - time.monotonic()
+            line = self._link.wanted_line(left, lambda line: line.startswith(b"@"))
             reply = replies.reply_of(line)
             if reply.message in (None, self._message):
                 return reply
+            if left <= 0:
+                raise MalformedReply(
+                    "the stage answers to other commands only; end the program that "
+                    "uses it too",
+                    raw=line,
+                )

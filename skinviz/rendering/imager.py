@@ -61,7 +61,7 @@ def image_of(stage: Stage, advance: Advance | None = None) -> Image:
     blocks = np.argwhere(marked)
 
     def work(part: slice) -> None:
-        pixels = _pixels_of(blocks[part], size, width, height)
+        pixels = pixels_of(blocks[part], size, width, height)
         for samples in {plan.samples, MOST_SAMPLES}:
             own = pixels[rays[pixels] == samples]
             if own.size:
@@ -115,7 +115,7 @@ def contrast_white(stage: Stage) -> Array:
     return white if white.min() > 0.01 * white[1] else np.full(3, white[1])
 
 
-def _pixels_of(blocks: Whole, size: int, width: int, height: int) -> Whole:
+def pixels_of(blocks: Whole, size: int, width: int, height: int) -> Whole:
     """Return the pixels (k,) of some blocks, those of one block in a row."""
     within = np.arange(size)
     rows = blocks[:, :1] * size + within

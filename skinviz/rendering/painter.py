@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 
 from skinviz.rendering import kernels, trace
 from skinviz.rendering.expansion import expand_mapped, require_single
-from skinviz.rendering.lighting import body_at
+from skinviz.rendering.geometry import Geometry
+from skinviz.rendering.lighting import Lighting, body_at
 from skinviz.rendering.plan import cells
 from skinviz.rendering.stage import Lit, Stage
 from skinviz.rendering.tints import pigments_at
@@ -31,9 +33,14 @@ class Painter:
     ----------
     stage : Stage
         What is lit, seen and how finely.
+    lit_at : callable
+        Which lights (n_lights, m) nothing hides from points that are hit.
     """
 
     stage: Stage
+    lit_at: Callable[[Geometry, Lighting, trace.Hits], NDArray[np.uint8]] = (
+        trace.visibility_of
+    )
 
     @cached_property
     def vertex_xyz(self) -> Array:
@@ -73,9 +80,7 @@ class Painter:
         out = np.zeros((lit.rows + len(fields.spectra), hits.pixels.size))
         visible = None
         if self.stage.plan.shadows:
-            visible = trace.visibility(
-                geometry, lighting, hits.lifted, hits.normals, hits.facets
-            )
+            visible = self.lit_at(geometry, lighting, hits)
         lighting.scalars(hits.points, hits.normals, out, visible=visible)
         if len(fields.spectra):
             out[lit.rows :] = trace.at_corners(geometry, hits, fields.values)

@@ -21,7 +21,7 @@ from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.lighting import body_at
 from skinviz.rendering.plan import Plan
 from skinviz.rendering.spectral import light_spectra
-from skinviz.rendering.stage import Stage, stage_of
+from skinviz.rendering.stage import Lit, Stage, stage_of
 from skinviz.rendering.tints import vertex_pigments
 from skinviz.rendering.vertices import (
     Visible,
@@ -203,16 +203,33 @@ def vertex_spectrum(scene: Scene, vertex: int) -> VertexSpectrum:
     vertex = int(vertex)
     stage = stage_of(scene, whole=True)
     lit = stage.bands
-    part, n_lights = slice(vertex, vertex + 1), len(lit.spectra.light)
+    part = slice(vertex, vertex + 1)
     scalars = vertex_scalars(stage, lit, part, seen_lights(stage, lit))[:, 0]
-    own = vertex_pigments(scene)[vertex]
+    return parted(scene, lit, scalars, vertex_pigments(scene)[vertex])
+
+
+def parted(scene: Scene, lit: Lit, scalars: Array, pigments: Array) -> VertexSpectrum:
+    """Return the radiance of one point in its parts.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is lit and seen.
+    lit : Lit
+        Its light at its own wavelengths.
+    scalars : (rows + e,) ndarray
+        Of the point.
+    pigments : (p,) ndarray
+        There.
+    """
+    n_lights = len(lit.spectra.light)
     diffuse = (
         scalars[:n_lights] @ lit.spectra.light
         + scalars[lit.rows :] @ lit.fields.spectra
     )
     return VertexSpectrum(
         scene.wavelengths,
-        np.maximum(diffuse, 0) * body_at(scene, own, scene.wavelengths),
+        np.maximum(diffuse, 0) * body_at(scene, pigments, scene.wavelengths),
         scalars[n_lights : lit.rows] @ lit.spectra.shine,
         light_spectra(scene)[0],
     )

@@ -193,6 +193,13 @@ def visibility(
     return visible
 
 
+def visibility_of(
+    geometry: Geometry, lighting: Lighting, hits: Hits
+) -> NDArray[np.uint8]:
+    """Return which lights (n_lights, m) nothing hides from points that are hit."""
+    return visibility(geometry, lighting, hits.lifted, hits.normals, hits.facets)
+
+
 def vertex_visibility(geometry: Geometry, lighting: Lighting) -> NDArray[np.uint8]:
     """Return which lights (n_lights, n) nothing hides from the vertices."""
     points, normals = geometry.components

@@ -16,7 +16,7 @@ from skinviz.errors import ArgumentError, DataError, SkinvizError
 from skinviz.scan.formats import read_mesh
 from skinviz.scene.camera import Camera
 from skinviz.scene.hand import HandFrame, hand_frame
-from skinviz.scene.scene import Scene
+from skinviz.scene.scene import Scene, Skin
 from skinviz.scene.scene_lights import light_of
 from skinviz.scene.scene_map import mapped, texture_of
 from skinviz.scene.scene_skin import skin_of
@@ -109,21 +109,55 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
     """
     file = existing_file(path, DataError)
     try:
+        return scene_from(read_scene_content(file), file.parent)
+    except SkinvizError as error:
+        raise named(error, file) from error
+
+
+def read_scene_content(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """Return what a scene file says, as TOML has it: its tables and keys are known.
+
+    Raises
+    ------
+    DataError
+        If the file is missing, not TOML, or a table or key is unknown or wrong.
+    """
+    file = existing_file(path, DataError)
+    try:
         content = tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise DataError(f"{file}: not a TOML file: {error}") from error
-    try:
-        return _scene(content, file.parent)
-    except SkinvizError as error:
-        told = str(error)
-        kind = DataError if isinstance(error, ArgumentError) else type(error)
-        # Errors of the files that a scene names already name those.
-        raise kind(told if file.name in told else f"{file}: {told}") from error
-
-
-def _scene(content: dict[str, Any], folder: Path) -> Scene:
-    """Return the scene that parsed TOML describes."""
     _require_known(content)
+    return content
+
+
+def named(error: SkinvizError, file: Path) -> SkinvizError:
+    """Return an error of a scene that names its file."""
+    told = str(error)
+    kind = DataError if isinstance(error, ArgumentError) else type(error)
+    # Errors of the files that a scene names already name those.
+    return kind(told if file.name in told else f"{file}: {told}")
+
+
+def scene_from(
+    content: dict[str, Any], folder: Path, skin: Skin | None = None
+) -> Scene:
+    """Return the scene that a scene file's content describes.
+
+    Parameters
+    ----------
+    content : dict
+        From :func:`read_scene_content`.
+    folder : Path
+        To which its paths are relative.
+    skin : Skin, optional
+        In place of what ``[skin]`` describes before maps, texture and changes.
+
+    Raises
+    ------
+    SkinvizError
+        As :func:`read_scene`, the file not named.
+    """
     mesh_table = content.get("mesh", {})
     if "path" not in mesh_table:
         raise DataError('[mesh] needs path = "hand.ply"')
@@ -136,10 +170,11 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
         light.keys() & {"direction", "position"} for light in lights_table
     )
     frame = None if by_vectors else hand_frame(mesh)
-    skin = content.get("skin", {})
+    table = content.get("skin", {})
+    base = skin or skin_of(table, folder, mesh)
     even = Scene(
         mesh=mesh,
-        skin=mapped(skin_of(skin, folder, mesh), skin, mesh, folder),
+        skin=mapped(base, table, mesh, folder),
         surface=_surface(content.get("surface", {})),
         lights=tuple(
             light_of(light, frame, light_angle, folder) for light in lights_table
@@ -148,8 +183,8 @@ def _scene(content: dict[str, Any], folder: Path) -> Scene:
         **_settings(content),
         **_display(content.get("display", {}), folder),
     )
-    scene = textured(even, texture_of(skin["texture"])) if "texture" in skin else even
-    return scene.replace(skin=scene.skin.changed(**skin.get("change", {})))
+    scene = textured(even, texture_of(table["texture"])) if "texture" in table else even
+    return scene.replace(skin=scene.skin.changed(**table.get("change", {})))
 
 
 def _display(table: dict[str, Any], folder: Path) -> dict[str, Any]:

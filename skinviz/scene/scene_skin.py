@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinviz._files import existing_file
 from skinviz._validate import as_numbers
@@ -24,6 +25,7 @@ from skinviz.spectra.archives import load_archive
 
 if TYPE_CHECKING:
     import pyvista
+    import xarray
 
 _TISSUE = {"site", "thickness", "coefficients", "free"}
 _MODEL = {"model", "specular"} | _TISSUE
@@ -35,6 +37,7 @@ _SKIN_KEYS = {
     "image": {"weights_at_one"} | _MODEL,
 }
 _NO_FIT = "not a fit file of 'skinviz fit'"
+_WHO = ("origin", "subject", "site")
 _SHOWN = 20  # labels of a file that an error lists
 _ELSEWHERE = {"map", "point", "change", "texture"}  # said on top of any skin
 
@@ -111,21 +114,45 @@ def archive_fit(table: Mapping[str, Any], site: str, model: SkinModel) -> Skin:
 def _chosen(table: Mapping[str, Any], site: str | None) -> tuple[Any, Any]:
     """Return an archive, and which of its records are of a subject's site."""
     archive = load_archive(table["archive"])
-    chosen = np.ones(archive.sizes["record"], dtype=bool)
     asked = {**table, **({} if site is None else {"site": site})}
-    for key in ("origin", "subject", "site"):
+    for key in _WHO:
         if key not in asked:
             raise DataError(f"[skin] with archive needs {key} = ...")
-        chosen &= archive[key].values == str(asked[key])
+    who = {key: str(asked[key]) for key in _WHO}
+    return archive, archive_records(archive, table["archive"], who)
+
+
+def archive_records(
+    archive: xarray.Dataset, name: str, who: Mapping[str, str]
+) -> NDArray[np.bool_]:
+    """Return which records (n,) of an archive are of one subject and site.
+
+    Parameters
+    ----------
+    archive : xarray.Dataset
+        From :func:`load_archive`.
+    name : str
+        Its name, for messages.
+    who : mapping of str to str
+        ``origin``, ``subject`` and ``site``.
+
+    Raises
+    ------
+    DataError
+        If there is none.
+    """
+    chosen = np.ones(archive.sizes["record"], dtype=bool)
+    for key in _WHO:
+        chosen &= archive[key].values == who[key]
     if not chosen.any():
         sites = sorted(set(archive["site"].values))
         raise DataError(
-            f"archive {table['archive']!r} has no spectrum of subject "
-            f"{table['subject']!r} of {table['origin']!r} at {site!r}; its "
+            f"archive {name!r} has no spectrum of subject {who['subject']!r} of "
+            f"{who['origin']!r} at {who['site']!r}; its "
             f"sites are {', '.join(sites)}, its origins "
             f"{', '.join(sorted(set(archive['origin'].values)))}"
         )
-    return archive, chosen
+    return chosen
 
 
 def _fitted(archive: Any, chosen: Any, model: SkinModel) -> SkinFit:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from skinviz._compile import compiled
 from skinviz.skin.kernels import (
     BOTTOM,
@@ -18,7 +21,10 @@ from skinviz.skin.kernels import (
     stack,
     through_surface,
 )
+from skinviz.skin.kubelka_munk import kubelka_munk_layer
 from skinviz.skin.model import SkinModel
+
+Array = NDArray[np.float64]
 
 MELANIN, OXY, DEOXY, EPIDERMIS, DERMIS = range(5)  # rows of the table
 
@@ -76,3 +82,15 @@ class TwoLayer(SkinModel):
 
     name = "two-layer"
     evaluate = staticmethod(evaluate)
+
+    def layers(self, values: ArrayLike, wavelengths: ArrayLike) -> tuple[Array, Array]:
+        """Return R_e of the epidermis alone, and R_d of the dermis on the hypodermis.
+
+        Parameters and errors as :meth:`reflectance`; returns (..., n) each. [1]
+        """
+        at = self.coefficients.at(wavelengths)
+        w_m, w_h, w_dh = np.moveaxis(self.checked(values)[..., None], -2, 0)
+        R_e, _ = kubelka_munk_layer(w_m * at.melanin, at.epidermis, self.thickness[0])
+        blood = w_h * at.oxyhaemoglobin + w_dh * at.deoxyhaemoglobin
+        R, T = kubelka_munk_layer(blood, at.dermis, self.thickness[1])
+        return R_e, R + T**2 * self.hypodermis / (1 - R * self.hypodermis)

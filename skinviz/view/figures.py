@@ -37,11 +37,29 @@ class Site:
     fit: SkinFit
 
 
+@dataclass(frozen=True, eq=False)
+class MarkedPoint:
+    """A point of a hand and the light that it sends.
+
+    Attributes
+    ----------
+    point : (3,) ndarray
+        [mm]
+    spectrum : VertexSpectrum
+        Its radiance.
+    picture : str
+        Title of the picture in which it is drawn; "" for all.
+    """
+
+    point: Array
+    spectrum: VertexSpectrum
+    picture: str = ""
+
+
 def hands_figure(
     pictures: Mapping[str, Rendering],
-    site: Site,
-    point: Array,
-    spectrum: VertexSpectrum,
+    site: Site | None,
+    marks: Sequence[MarkedPoint],
     caption: str,
 ) -> Figure:
     """Return hands under several lights beside the spectra behind them.
@@ -50,25 +68,27 @@ def hands_figure(
     ----------
     pictures : mapping of str to Rendering
         Title and picture, left to right; all of one view.
-    site : Site
-        The measured spectrum and its fit.
-    point : (3,) ndarray
-        The marked point, drawn in every picture. [mm]
-    spectrum : VertexSpectrum
-        Radiance at the point under the first light.
+    site : Site or None
+        The measured spectrum and its fit, where there is one.
+    marks : sequence of MarkedPoint
+        One, called P, or two, A and B; none are drawn without.
     caption : str
         Printed below: what it is and where the data come from.
     """
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    names = "P" if len(marks) == 1 else "AB"
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(13.2, 6.6), dpi=150)
+        tall = site is not None and len(marks) > 1
+        beside = site is not None or bool(marks)
+        width = 13.2 if beside else min(max(7.0, 4.4 * len(pictures)), 13.2)
+        figure = Figure(figsize=(width, 8.6 if tall else 6.6), dpi=150)
         hands = figure.add_gridspec(
             1,
             len(pictures),
             left=0.012,
-            right=0.655,
+            right=0.655 if beside else 0.988,
             top=0.93,
             bottom=0.095,
             wspace=0.02,
@@ -76,47 +96,13 @@ def hands_figure(
         for column, (title, picture) in enumerate(pictures.items()):
             axes = figure.add_subplot(hands[0, column])
             axes.imshow(picture.rgb, interpolation="antialiased")
-            axes.set_title(title)
+            axes.set_title(title, parse_math=False)
             axes.set_axis_off()
-            # imshow counts from the middles of pixels, a picture from their edges.
-            column_at, row_at = picture.view.project(point)
-            at = (column_at - 0.5, row_at - 0.5)
-            axes.plot(*at, "o", ms=9, mfc="none", mec="w", mew=1.6)
-            axes.plot(*at, "o", ms=11, mfc="none", mec="k", mew=0.7)
-            axes.annotate(
-                "P",
-                at,
-                xytext=(9, 7),
-                textcoords="offset points",
-                color="w",
-                fontweight="bold",
-            )
-        sides = figure.add_gridspec(
-            4,
-            1,
-            left=0.72,
-            right=0.985,
-            top=0.93,
-            bottom=0.135,
-            hspace=0.3,
-            height_ratios=(1.5, 0.8, 0.12, 1.2),  # the third is a gap
-        )
-        first = figure.add_subplot(sides[0])
-        panels.reflectance_panel(first, site.measured, site.fit)
-        first.set_title(f"{site.name}: measured and fitted", parse_math=False)
-        second = figure.add_subplot(sides[1])
-        panels.residual_panel(second, site.measured, site.fit)
-        second.set_title(
-            f"SSE × 61/{int(site.fit.n_bands)} = "
-            f"{float(site.fit.sse_61):.4f},   "
-            f"RMSE {float(site.fit.rmse):.4f},   "
-            rf"$\Delta E_{{00}}$ {float(site.fit.delta_e):.2f}",
-            fontsize=8.5,
-        )
-        third = figure.add_subplot(sides[3])
-        panels.radiance_panel(third, spectrum)
-        third.set_title(f"radiance at P, {next(iter(pictures))}")
-        figure.align_ylabels([first, second, third])
+            for name, mark in zip(names, marks, strict=False):
+                if mark.picture in ("", title):
+                    _mark(axes, picture.view.project(mark.point), name)
+        if beside:
+            _spectra_beside(figure, site, dict(zip(names, marks, strict=False)))
         figure.text(
             0.012,
             0.028,
@@ -127,6 +113,67 @@ def hands_figure(
             parse_math=False,
         )
     return figure
+
+
+def _mark(axes: Axes, place: Array, name: str) -> None:
+    """Draw a ring and a letter at a place of a picture. [pixels]"""
+    # imshow counts from the middles of pixels, a picture from their edges.
+    at = (place[0] - 0.5, place[1] - 0.5)
+    axes.plot(*at, "o", ms=9, mfc="none", mec="w", mew=1.6)
+    axes.plot(*at, "o", ms=11, mfc="none", mec="k", mew=0.7)
+    axes.annotate(
+        name,
+        at,
+        xytext=(9, 7),
+        textcoords="offset points",
+        color="w",
+        fontweight="bold",
+    )
+
+
+def _spectra_beside(
+    figure: Figure, site: Site | None, marks: Mapping[str, MarkedPoint]
+) -> None:
+    """Draw the measured spectrum and the marks' radiance, one below the other."""
+    heights = [] if site is None else [1.5, 0.8]
+    for _ in marks:
+        gap = 0.12 if len(marks) == 1 else 0.3
+        heights += [gap, 1.2] if heights else [1.2]
+    sides = figure.add_gridspec(
+        len(heights),
+        1,
+        left=0.72,
+        right=0.985,
+        top=0.93,
+        bottom=0.135,
+        hspace=0.3,
+        height_ratios=heights,
+    )
+    panels_drawn = [] if site is None else _site_beside(figure, sides, site)
+    for i, (name, mark) in enumerate(marks.items()):
+        row = len(heights) - 1 - 2 * (len(marks) - 1 - i)
+        axes = figure.add_subplot(sides[row])
+        panels.radiance_panel(axes, mark.spectrum)
+        axes.set_title(f"radiance at {name}")
+        panels_drawn.append(axes)
+    figure.align_ylabels(panels_drawn)
+
+
+def _site_beside(figure: Figure, sides: Any, site: Site) -> list[Axes]:
+    """Draw a measured spectrum, its fit and their difference."""
+    first = figure.add_subplot(sides[0])
+    panels.reflectance_panel(first, site.measured, site.fit)
+    first.set_title(f"{site.name}: measured and fitted", parse_math=False)
+    second = figure.add_subplot(sides[1])
+    panels.residual_panel(second, site.measured, site.fit)
+    second.set_title(
+        f"SSE × 61/{int(site.fit.n_bands)} = "
+        f"{float(site.fit.sse_61):.4f},   "
+        f"RMSE {float(site.fit.rmse):.4f},   "
+        rf"$\Delta E_{{00}}$ {float(site.fit.delta_e):.2f}",
+        fontsize=8.5,
+    )
+    return [first, second]
 
 
 def sites_figure(sites: Sequence[Site], title: str, caption: str) -> Figure:

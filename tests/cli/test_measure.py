@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import sys
 
 import numpy as np
@@ -11,9 +12,9 @@ from benches import bench
 import skinviz
 from skinviz.cli.main import main
 from skinviz.cli.measure_hands import Asking, in_words, requests
-from skinviz.cli.measure_screen import LiveScreen, plotted, scatter
+from skinviz.cli.measure_screen import LiveScreen, Screen, plotted, scatter, screen
 from skinviz.instruments.arrangement import Arrangement
-from skinviz.instruments.errors import NoReply
+from skinviz.instruments.errors import NoReply, Stopped
 from skinviz.instruments.meters import Reading
 from skinviz.instruments.plan import Step
 from skinviz.instruments.simulate.pr655 import SimulatedPR655
@@ -165,6 +166,7 @@ def test_ports_are_listed(monkeypatch, capsys):
         (["a.skinlog", *SIM, "--stage", "/dev/no", "--yes"], "both be"),
         (["a.skinlog", *SIM, "--resume", "--site", "x"], "--resume"),
         (["a.skinlog", "--port", "sim://pr9"], "choose one of"),
+        (["a.skinlog", *SIM, "--stage", "sim://pr650"], "one of: zaber"),
         (["a.skinlog", *SIM, "--export", "a.doc"], "suffix of --export"),
         (["a.skinlog", *SIM, "--gonio", "a.nc"], "suffix of --gonio"),
         (["a.skinlog", "--port", "sim://pr655?time=slow"], "quick, real"),
@@ -192,9 +194,11 @@ def test_a_person_is_asked_and_may_stop(log, tmp_path, monkeypatch, capsys):
     assert main(words) == 1
     assert "--resume" in capsys.readouterr().err
     log.unlink()
-    monkeypatch.setattr(sys, "stdin", io.StringIO(""))
-    assert main(words) == 1
-    assert "--yes" in capsys.readouterr().err
+    for nobody in (io.StringIO(""), None):
+        monkeypatch.setattr(sys, "stdin", nobody)
+        assert main(words) == 1
+        assert "--yes" in capsys.readouterr().err
+        log.unlink()
 
 
 def test_a_port_by_its_name_is_measured_at_with_a_certificate(
@@ -252,6 +256,59 @@ def test_a_spectrum_is_drawn_to_its_size():
     assert plotted(nm, np.zeros(101))  # darkness too
 
 
+@pytest.mark.parametrize(("width", "height"), [(100, 30), (60, 24), (40, 15), (25, 8)])
+def test_the_screen_fits_its_terminal(width, height):
+    from rich.console import Console
+
+    text = io.StringIO()
+    console = Console(file=text, width=width, height=height)
+    shown = LiveScreen(console)
+    shown.close()
+    shown.begins(Step(1, "white before", Arrangement()), 10)
+    nm = np.arange(380.0, 781.0, 4.0)
+    reading = Reading(nm, nm / 1e6, 0.1, (), b"")
+    shown.read(Step(1, "white before", Arrangement()), [reading] * 3, 5)
+    console.print(shown._panel())
+    lines = text.getvalue().splitlines()
+    assert max(map(len, lines)) <= width
+    assert len(lines) <= height
+    assert any("scatter" in line for line in lines)
+    drawn = [line for line in lines if "│\u2800" in line]
+    assert bool(drawn) == (width >= 40)
+    assert any("780 nm" in line for line in lines) == bool(drawn)
+
+
+@pytest.mark.parametrize("poor", [{"TERM": "dumb"}, {"PYTHONIOENCODING": "ascii"}])
+def test_terminals_that_cannot_draw_get_lines(poor, monkeypatch):
+    class Terminal(io.TextIOWrapper):
+        def isatty(self):
+            return True
+
+    monkeypatch.setenv("TERM", poor.get("TERM", "xterm"))
+    encoding = poor.get("PYTHONIOENCODING", "utf-8")
+    monkeypatch.setattr(sys, "stderr", Terminal(io.BytesIO(), encoding=encoding))
+    with screen(quiet=False) as shown:
+        assert type(shown) is Screen
+
+
+def test_words_are_no_answer(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "stdin", io.StringIO("no\nwait\n\n"))
+    Screen().ask(["Open the shutter"])
+    assert capsys.readouterr().err.count("Press Enter") == 3
+
+
+def test_what_was_typed_before_a_question_is_no_answer(monkeypatch):
+    master, slave = os.openpty()
+    os.write(master, b"\n\n\n")
+    monkeypatch.setattr(Screen, "_write", lambda *_, **__: os.write(master, b"q\n"))
+    with os.fdopen(slave, "r") as terminal:
+        monkeypatch.setattr(sys, "stdin", terminal)
+        with pytest.raises(Stopped):
+            Screen().ask([])
+        monkeypatch.undo()
+    os.close(master)
+
+
 def test_the_scatter_of_repeats():
     whole, band = scatter([np.array([1.0, 1.0]), np.array([1.1, 0.9])])
     assert whole == pytest.approx(0)
@@ -276,3 +333,37 @@ def test_the_live_screen_shows_step_spectrum_and_error(monkeypatch):
     text = shown.getvalue()
     for word in ("2 of 5: cheek", "reading 2 of 5", "low light", "made good: nothing"):
         assert word in text
+
+
+def test_a_torn_line_is_told_and_kept_told(log, tmp_path, capsys):
+    words = ["measure", str(log), *SIM, "--yes"]
+    assert main([*words, *_plan(tmp_path)]) == 0
+    log.write_bytes(log.read_bytes()[:-3])
+    capsys.readouterr()
+    assert main(["measure", str(log)]) == 0
+    told = capsys.readouterr().out
+    assert "bytes of a torn last line are lost" in told
+    assert main([*words, "--resume"]) == 0
+    assert "bytes of a torn last line are lost" in capsys.readouterr().out
+
+
+def test_a_setting_that_is_refused_leaves_no_log(log, tmp_path, capsys):
+    plan = tmp_path / "long.toml"
+    plan.write_text("[readings]\nexposure = 30\n", "utf-8")
+    assert main(["measure", str(log), *SIM, "--yes", "--plan", str(plan)]) == 1
+    assert "change it or leave it out" in capsys.readouterr().err
+    assert not log.exists()
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_an_interruption_says_what_there_is(begun, log, monkeypatch, capsys):
+    def interrupted(*_):
+        if begun:
+            log.touch()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("skinviz.cli.measure_bench.measured", interrupted)
+    assert main(["measure", str(log), *SIM, "--yes"]) == 1
+    told = capsys.readouterr().err
+    assert ("--resume" in told) == begun
+    assert ("before anything was measured" in told) != begun

@@ -36,9 +36,20 @@ def test_a_certificate_is_read_interpolated_and_kept(tmp_path):
         (ROWS, "wavelength_nm,a,b", "factor and uncertainty"),
         ([r.replace("0.002", "0.2") for r in ROWS], None, "tenth"),
         ([r.replace("0.98", "0") for r in ROWS], None, "0.02"),
+        (["900,0.98,0.002", "999,0.98,0.002"], None, "needed for 380-780 nm"),
     ],
 )
 def test_what_is_no_certificate_is_refused(tmp_path, rows, header, told):
     path = _file(tmp_path, rows, header or "wavelength_nm,factor,uncertainty")
     with pytest.raises(DataError, match=told):
         read_certificate(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"factor": None}, {"factor": ["a"]}, {"factor": [0.98]}, {"wavelengths": 3}],
+)
+def test_a_log_without_a_certificate_is_refused(tmp_path, change):
+    kept = read_certificate(_file(tmp_path, ROWS)).to_json()
+    with pytest.raises(DataError, match="certificate"):
+        Certificate.from_json(kept | change)

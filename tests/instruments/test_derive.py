@@ -122,3 +122,15 @@ def test_bands_beyond_the_certificate_are_left_out(tmp_path):
     inside = (spectra.wavelength >= 400) & (spectra.wavelength <= 700)
     assert np.isfinite(spectra.reflectance.values[:, inside]).all()
     assert np.isnan(spectra.reflectance.values[:, ~inside]).all()
+
+
+def test_no_asymmetry_is_taken_from_an_angle_that_has_gloss(tmp_path):
+    # At 0 degrees of viewing, a lamp at -45 is as near to the mirror as one at 45.
+    path = tmp_path / "a.skinlog"
+    on = bench(subject=human(), leakage=0.0)
+    plan = Plan(illumination=(-45.0, 45.0), states=("s", "p"), repeats=2, warm_up=False)
+    run_session(path, plan, on)
+    derived = derive(read_log(path))
+    assert derived.asymmetry == {}
+    truth = MODEL.measured(WEIGHTS, derived.frames.wavelengths)
+    assert_allclose(derived.parts["skin", 45.0].diffuse, truth, rtol=5e-3)

@@ -1,5 +1,7 @@
 """What is exported is read back by whoever needs it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from benches import bench, human, run_session
@@ -8,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import skinviz
 from skinviz.errors import ArgumentError
 from skinviz.instruments.derive import derive, read_session
-from skinviz.instruments.export import export_spectra, write_lobe
+from skinviz.instruments.export import _named, export_spectra, write_lobe
 from skinviz.instruments.lobe import lobe_of
 from skinviz.instruments.plan import Plan
 from skinviz.instruments.skinlog import read_log
@@ -86,3 +88,16 @@ def test_unknown_suffixes_are_refused(session, tmp_path):
     with pytest.raises(ArgumentError, match=r"\.csv"):
         write_lobe(tmp_path / "g.txt", lobe_of(derived, "cheek"), "")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("labels", "names"),
+    [
+        (["Back of hand", "cheek"], ["a-back-of-hand.spdx", "a-cheek.spdx"]),
+        (["手", "Stirn Ä"], ["a-手.spdx", "a-stirn-ä.spdx"]),
+        (["cheek 1", "cheek-1"], ["a-1-cheek-1.spdx", "a-2-cheek-1.spdx"]),
+        (["?", "!"], ["a-1.spdx", "a-2.spdx"]),
+    ],
+)
+def test_no_spectrum_is_written_over_another(labels, names):
+    assert [path.name for path in _named(Path("a.spdx"), labels)] == names

@@ -144,3 +144,33 @@ def test_ports_that_cannot_be_opened_say_why():
     first.close()
     os.close(master)
     os.close(slave)
+
+
+class _Babbler:
+    """A port that sends one thing for ever."""
+
+    def __init__(self, said):
+        self.said = said
+        self.in_waiting = len(said)
+
+    def read(self, count):
+        return self.said[:count]
+
+    def write(self, data):
+        return len(data)
+
+
+@pytest.mark.parametrize("said", [b"\r\n" * 200, bytes(range(32, 127)) * 9, b"!01\n"])
+def test_an_instrument_that_never_pauses_is_refused_in_time(said):
+    begun = time.monotonic()
+    with pytest.raises(MalformedReply, match="without ever pausing"):
+        Link(_Babbler(said), "the port").drain(0.2, at_most=0.2)
+    assert time.monotonic() - begun < 5
+
+
+def test_lines_that_nobody_wants_do_not_stretch_the_deadline():
+    link = Link(_Babbler(b"\r\n" * 5), "the port")
+    with pytest.raises(MalformedReply, match="something else"):
+        link.wanted_line(0.05, bytes.strip)
+    link = _link(b"\r\n \r\nM\r\n")
+    assert link.wanted_line(0.1, bytes.strip) == b"M"

@@ -29,6 +29,7 @@ from skinviz.instruments.errors import (
     Unsteady,
     WrongDevice,
 )
+from skinviz.instruments.patience import patient_reading
 from skinviz.instruments.ports import open_meter
 from skinviz.instruments.pr650 import PR650
 from skinviz.instruments.pr655 import PR655, PR670
@@ -208,8 +209,19 @@ def test_a_pr650_never_passes_the_spectrum_before_for_one_that_was_too_dark():
         device.faults.add(["dark"])
         with pytest.raises(TooDark):
             meter.measure()
-        with pytest.raises(MalformedReply, match="measure first"):
+        with pytest.raises(NoReply, match="measure again"):
             meter.reread()
+
+
+def test_a_pr650_whose_first_line_is_lost_measures_anew():
+    told = []
+    with simulated("pr650") as (meter, device):
+        answer = device._reply
+        garbled = iter([b"??,0\r\n"])
+        device._reply = lambda: next(garbled, b"") + answer()
+        reading = patient_reading(meter, told.append)
+    assert [type(error) for error in told] == [MalformedReply, NoReply]
+    assert reading.radiance.max() > 0
 
 
 def test_a_spectrum_that_was_cut_can_be_read_again_without_measuring():
@@ -237,3 +249,20 @@ def test_a_meter_that_left_its_remote_mode_is_entered_anew():
         with pytest.raises(NoReply):
             meter.measure(within=0.1)
         assert meter.measure().radiance.max() > 0
+
+
+@pytest.mark.parametrize("model", METERS)
+def test_queued_faults_meet_one_measurement_each(model):
+    with simulated(model) as (meter, device):
+        device.faults.add(["", "over", ""])
+        meter.measure()
+        with pytest.raises(OverRange):
+            meter.measure()
+        meter.measure()
+
+
+def test_an_answer_of_another_model_names_the_driver():
+    pairs = [(b"B0\n", b"-1000\r\n")]
+    with script(*pairs) as link, pytest.raises(CommandRejected, match="PR650") as seen:
+        PR650(link, pauses=0)
+    assert seen.value.code == -1000

@@ -10,7 +10,7 @@ import skinviz
 from skinviz.errors import ArgumentError
 from skinviz.instruments.errors import PortUnavailable
 from skinviz.instruments.ports import open_meter, port_of
-from skinviz.instruments.serial_ports import Port, list_ports
+from skinviz.instruments.serial_ports import Port, list_ports, open_link
 
 
 class _Comport(SimpleNamespace):
@@ -64,3 +64,21 @@ def test_one_module_alone_touches_pyserial():
         if re.search(r"^\s*(import|from) serial\b", path.read_text("utf-8"), re.M)
     ]
     assert touching == ["serial_ports.py"]
+
+
+@pytest.mark.parametrize(
+    ("url", "told"),
+    [
+        ("socket://127.0.0.1", "write host and number"),
+        ("socket://127.0.0.1:999999", "write host and number"),
+        ("rfc2217://:4001", "write host and number"),
+        ("socket://[::1", "write host and number"),
+        ("/", "a folder"),
+        ("/dev/null", "no serial port"),
+        ("/dev/no-such", "no such port"),
+        ("gopher://x", "not known"),
+    ],
+)
+def test_what_is_no_port_is_told(url, told):
+    with pytest.raises(PortUnavailable, match=told):
+        open_link(url)

@@ -1,6 +1,7 @@
 """Sessions: faults made good, stops, resumes, and sudden ends."""
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from skinviz.instruments.errors import (
 )
 from skinviz.instruments.opening import finished
 from skinviz.instruments.plan import Plan
-from skinviz.instruments.simulate.scene import halogen
+from skinviz.instruments.simulate.scene import Bench, halogen
 from skinviz.instruments.skinlog import read_log
 
 PLAN = Plan(repeats=2, warm_up=False)
@@ -100,6 +101,30 @@ def test_stray_light_that_is_too_dark_to_measure_is_none(tmp_path):
     spectra = read_session(path)
     truth = np.interp(spectra.wavelength, NM, on.subject.reflectance)
     np.testing.assert_allclose(spectra.reflectance.values[0], truth, rtol=2e-3)
+
+
+def test_stray_light_that_is_too_dark_once_is_still_taken_off(tmp_path):
+    path = tmp_path / "a.skinlog"
+    plan = Plan(repeats=3, warm_up=False)
+    on = bench(ambient=0.02)
+    run_session(path, plan, on, faults=["", "dark", ""])
+    assert _kinds(path).count("dark") == 1
+    spectra = read_session(path)
+    truth = np.interp(spectra.wavelength, NM, on.subject.reflectance)
+    np.testing.assert_allclose(spectra.reflectance.values[0], truth, rtol=2e-3)
+
+
+def test_a_lamp_that_was_not_shuttered_is_told(tmp_path):
+    class Lazy(Bench):
+        def arrange(self, wanted):
+            super().arrange(replace(wanted, lamp=True))
+
+    on = bench()
+    path = tmp_path / "a.skinlog"
+    plan = Plan(repeats=2, warm_up=False)
+    run_session(path, plan, Lazy(on.subject, on.tile, exposure=0.1, time=on.time))
+    with pytest.raises(DataError, match="shuttered for stray light only"):
+        read_session(path)
 
 
 def test_a_pulled_cable_loses_the_reading_in_flight_and_no_other(tmp_path):

@@ -1,6 +1,8 @@
 """Stages: turning by hand, and a Zaber on a simulated line."""
 
 import contextlib
+import threading
+import time
 
 import pytest
 from benches import bench, script
@@ -11,10 +13,12 @@ from skinviz.instruments.errors import (
     NotHomed,
     OutOfTravel,
     StageFault,
+    Stopped,
     WrongDevice,
 )
 from skinviz.instruments.ports import open_stage
 from skinviz.instruments.simulate.faults import Faults
+from skinviz.instruments.simulate.scene import RealTime
 from skinviz.instruments.simulate.serve import serve
 from skinviz.instruments.simulate.zaber import SimulatedZaber
 from skinviz.instruments.stages import ManualStage, ZaberStage
@@ -121,3 +125,14 @@ def test_zero_may_be_elsewhere():
         with open_stage("zaber", server.url, zero=10.0) as stage:
             stage.move(20)
         assert device.place == pytest.approx(30, abs=1e-3)
+
+
+def test_the_lamp_stops_where_the_program_is_stopped():
+    stop = threading.Event()
+    device = SimulatedZaber(bench(time=RealTime()), speed=5.0)
+    with serve(device) as server, open_stage("zaber", server.url, stop=stop) as stage:
+        threading.Timer(0.1, stop.set).start()
+        with pytest.raises(Stopped):
+            stage.move(80)
+        time.sleep(0.3)
+        assert device.place == device.goal < 10

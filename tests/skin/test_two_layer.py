@@ -13,7 +13,7 @@ from oracles.agreement import assert_oracle
 from strategies import log_uniform
 from tolerances import EPS, ORACLE
 
-from skinviz import ArgumentError, skin_model
+from skinviz import ArgumentError, kubelka_munk_layer, skin_model
 from skinviz.skin.coefficients import load_coefficients
 from skinviz.skin.two_layer import TwoLayer
 
@@ -239,3 +239,16 @@ def test_description_makes_the_model_anew():
     )
     weights = [0.1, 0.01, 0.01]
     assert_array_equal(again.measured(weights, NM), first.measured(weights, NM))
+
+
+def test_layers_together_are_the_body():
+    """R_b = R_e + T_e² R_d / (1 - R_e R_d), eq. (9), by the layers' own R and T."""
+    model = skin_model(site="cheek", specular="included")
+    values = np.array([[0.1, 0.008, 0.004], [0.02, 0.001, 0.0]])
+    R_e, R_d = model.layers(values, NM)
+    own = model.coefficients.at(NM)
+    _, T_e = kubelka_munk_layer(
+        values[:, :1] * own.melanin, own.epidermis, model.thickness[0]
+    )
+    body = R_e + T_e**2 * R_d / (1 - R_e * R_d)
+    assert_allclose(body, model.reflectance(values, NM), rtol=ORACLE)

@@ -8,7 +8,12 @@ from PIL import Image
 
 from skinviz.errors import SkinvizError
 from skinviz.rendering.shade import vertex_spectrum
-from skinviz.view.figures import hands_figure, save_figure, sites_figure
+from skinviz.view.figures import (
+    MarkedPoint,
+    hands_figure,
+    save_figure,
+    sites_figure,
+)
 
 CAPTION = (
     "Two-layer Kubelka–Munk skin, Torrance–Sparrow surface, 61 wavelengths through "
@@ -27,8 +32,7 @@ def hands(picture, site, scene, n_pictures=2):
     return hands_figure(
         dict.fromkeys(titles[:n_pictures], picture),
         site,
-        np.array([5.0, 20.0, 0.0]),
-        vertex_spectrum(scene, 10),
+        [MarkedPoint(np.array([5.0, 20.0, 0.0]), vertex_spectrum(scene, 10))],
         CAPTION,
     )
 

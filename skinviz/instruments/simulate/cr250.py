@@ -27,7 +27,7 @@ class SimulatedCR250(SimulatedMeter):
     """Measures when asked and sends the values when asked again."""
 
     held: bytes = b"ER:-503:RM Spectrum:No measurement\r\n"
-    fault: str = ""
+    fault: str | None = None
 
     def receive(self, data: bytes) -> Iterator[Chunk]:
         """Take bytes and yield the answer."""
@@ -43,7 +43,9 @@ class SimulatedCR250(SimulatedMeter):
         elif word == b"M":
             yield from self._measure(self.faults.take())
         elif word == b"RM Spectrum":
-            fault, self.fault = self.fault or self.faults.take(), ""
+            # A measurement's own fault, which may be none, or one of reading again.
+            fault = self.faults.take() if self.fault is None else self.fault
+            self.fault = None
             yield from self.faults.on_the_way(fault, self.held)
         elif word.startswith(b"SM "):
             yield from self._set(word)

@@ -1,0 +1,26 @@
+"""How a request is answered: what is wrong with it is told, and ends nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from skinviz.errors import SkinvizError
+
+if TYPE_CHECKING:
+    from skinviz.view.viewer.app import Viewer
+
+
+def checked(viewer: Viewer, answer: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a request's answer that tells what is wrong instead of failing."""
+
+    def answered(*given: Any) -> Any:
+        try:
+            return answer(viewer, *given)
+        except SkinvizError as error:
+            viewer.notice(str(error))
+        except TypeError:  # more or fewer arguments, or of other kinds
+            viewer.notice("the page asked for something that the viewer has not")
+        return None
+
+    return answered
