@@ -244,9 +244,9 @@ class Viewer:
         """Go back to what could be shown, if nobody has gone elsewhere."""
         if self.shown is not None and self.state == failed:
             self.history = self.history.undone()
-            if self.state == self.shown.state:
+            if self.state == failed:  # nothing was before
                 self._tell(**settings_of(self.shown))
-            else:
+            else:  # also what is shown, for its still picture may be missing
                 self._wake.set()
 
     def _tell(self, **told: Any) -> None:

@@ -125,7 +125,7 @@ def scene_content(opened: Opened, shown: Shown) -> dict[str, Any]:
     content = copy.deepcopy(opened.content)
     initial, scene = opened.initial, stage.scene
     if state.look != initial.looks[0]:
-        content["skin"] = _skin_table(shown)
+        content["skin"] = _skin_table(shown) | _relief_table(scene)
     if any(getattr(state, n) != getattr(initial, n) for n in _OF_SURFACE):
         content["surface"] = _surface_table(state, scene)
     content["lights"] = _lights_tables(content.get("lights", [{}]), state, scene)
@@ -188,6 +188,15 @@ def _skin_table(shown: Shown) -> dict[str, Any]:
     # By the name that the file has for them, which may be a path.
     named = ("coefficients", "free")
     return table | {key: sample.table[key] for key in named if key in sample.table}
+
+
+def _relief_table(scene: Scene) -> dict[str, Any]:
+    """Return what [skin] says of fine relief: it is of the mesh, and stays."""
+    relief = scene.relief
+    if not relief.depth:
+        return {}
+    own = {"relief_um": relief.depth, "relief_mm": relief.spacing, "seed": relief.seed}
+    return {"texture": own}
 
 
 def _surface_table(state: ViewState, scene: Scene) -> dict[str, Any]:

@@ -400,6 +400,20 @@ def test_what_cannot_be_shown_is_told_and_undone(run):
     run(talk)
 
 
+def test_after_what_cannot_be_shown_a_still_picture_follows(run):
+    async def talk(running):
+        async with connected(running.url) as browser:
+            await browser.until(lambda told: told.get("still"))
+            await browser.set(light_angle=21)
+            await browser.until(lambda told: "light=21" in told.get("query", ""))
+            await browser.set(index="0.3")  # before the still one is begun
+            await browser.until(lambda told: told.get("notice"))
+            await browser.until(lambda told: told.get("still"))
+        assert running.viewer.state.light[0] == 21
+
+    run(talk)
+
+
 # One view for all -------------------------------------------------------------
 
 
@@ -482,6 +496,15 @@ def test_a_port_in_use_is_said():
         port = taken.getsockname()[1]
         with pytest.raises(SkinvizError, match="--port"):
             asyncio.run(twice(port))
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "a host without a name"])
+def test_an_address_that_is_not_of_this_machine_is_said(host):
+    async def elsewhere():
+        start(host=host)
+
+    with pytest.raises(SkinvizError, match="--host"):
+        asyncio.run(elsewhere())
 
 
 def test_what_cannot_be_opened_is_told_on_the_page(scene_file):
