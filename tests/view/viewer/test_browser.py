@@ -135,6 +135,18 @@ def curves(page, name):
     return chart.locator(".legendtext").all_text_contents()
 
 
+def test_points_are_marked_by_keys_alone(page):
+    page.locator(PICTURE).focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector("text=L* ")
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("Shift+Enter")
+    page.wait_for_selector("text=ΔE00 between A and B")
+    wait_still(page)
+    page.keyboard.press("Escape")
+    page.wait_for_selector("text=ΔE00 between A and B", state="detached")
+
+
 def test_the_picture_keeps_its_size_while_it_turns(page):
     """Pictures of what moves have fewer pixels, which are then shown larger."""
     measure = """() => {
