@@ -475,6 +475,22 @@ def test_work_that_takes_long_is_told_of(run, monkeypatch):
     run(talk)
 
 
+def test_a_fault_while_saving_is_told(run, monkeypatch):
+    def fail(*_):
+        raise RuntimeError("no ink")
+
+    monkeypatch.setattr(app, "save_view_figure", fail)
+
+    async def talk(running):
+        async with connected(running.url) as browser:
+            await browser.until(lambda told: told.get("still"))
+            await browser.trigger("save_figure", "view.png")
+            await browser.until(lambda told: told.get("notice"))
+            assert "no ink" in browser.states["notice"]["text"]
+
+    run(talk)
+
+
 def test_a_link_shows_the_same_view(run):
     async def talk(running):
         async with connected(running.url) as browser:
