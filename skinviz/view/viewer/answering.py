@@ -18,9 +18,10 @@ def checked(viewer: Viewer, answer: Callable[..., Any]) -> Callable[..., Any]:
         try:
             return answer(viewer, *given)
         except SkinvizError as error:
-            viewer.notice(str(error))
-        except TypeError:  # more or fewer arguments, or of other kinds
-            viewer.notice("the page asked for something that the viewer has not")
+            viewer.refuse(str(error))
+        # More or fewer arguments, of other kinds, or beyond all numbers.
+        except (TypeError, ValueError, OverflowError):
+            viewer.refuse("the page asked for something that the viewer has not")
         return None
 
     return answered

@@ -96,7 +96,7 @@ class Viewer:
         try:
             changed = make(self.state)
         except SkinvizError as error:
-            self.notice(str(error))
+            self.refuse(str(error))
             return
         self._turn_to(self.history.changed(changed, time.monotonic()))
 
@@ -131,6 +131,12 @@ class Viewer:
             self._version += 1  # the same words twice are two notices
             told.notice = {"text": text, "bad": bad, "number": self._version}
 
+    def refuse(self, text: str) -> None:
+        """Say why something cannot be; controls that were set to it go back."""
+        self.notice(text)
+        if self.shown is not None and self.shown.state == self.state:
+            self._tell(**settings_of(self.shown))
+
     async def save_scene(self, name: str) -> str | None:
         """Write the active hand's scene; return the command that draws it anew."""
         shown = self.shown
@@ -163,7 +169,14 @@ class Viewer:
             return await self._busily(self._slow, work)
         except SkinvizError as error:
             self.notice(str(error))
-            return None
+        except Exception as error:  # a fault of ours must not end the view
+            self._own_up("saving", error)
+        return None
+
+    def _own_up(self, work: str, error: Exception) -> None:
+        """Tell of a fault that nobody else has made."""
+        _LOG.exception("%s failed", work)
+        self.notice(f"{work} failed: {error!r}; this is a fault of skinviz")
 
     async def _busily(
         self, pool: ThreadPoolExecutor, work: Callable[[], Result]
@@ -191,8 +204,7 @@ class Viewer:
                 self.notice(str(error))
                 self._return_to_shown(state)
             except Exception as error:  # a fault of ours must not end the view
-                _LOG.exception("drawing failed")
-                self.notice(f"the viewer failed: {error!r}; this is a fault of skinviz")
+                self._own_up("drawing", error)
                 self._return_to_shown(state)
 
     async def _draw_state(self, state: ViewState) -> None:
@@ -232,9 +244,9 @@ class Viewer:
         """Go back to what could be shown, if nobody has gone elsewhere."""
         if self.shown is not None and self.state == failed:
             self.history = self.history.undone()
-            if self.state == self.shown.state:
+            if self.state == failed:  # nothing was before
                 self._tell(**settings_of(self.shown))
-            else:
+            else:  # also what is shown, for its still picture may be missing
                 self._wake.set()
 
     def _tell(self, **told: Any) -> None:

@@ -11,6 +11,7 @@ from skinviz.view.viewer.address import from_query
 from skinviz.view.viewer.answering import checked
 from skinviz.view.viewer.controls import with_preset
 from skinviz.view.viewer.readings import mark_at
+from skinviz.view.viewer.state import Mark
 from skinviz.view.viewer.turning import shifted, turned, zoomed
 
 if TYPE_CHECKING:
@@ -63,12 +64,25 @@ def _pick(viewer: Viewer, across: float, along: float, second: bool) -> None:
     width, height = shown.tiles.whole
     column = in_range(across, 0, 1, "place") * width
     row = in_range(along, 0, 1, "place") * height
-    mark = mark_at(shown, column, row)
-    if mark is None:
+    _mark(viewer, mark_at(shown, column, row), second)
+
+
+def _mark_middle(viewer: Viewer, second: bool) -> None:
+    """Mark the point in the middle of the active hand's picture, without a mouse."""
+    shown = viewer.shown
+    if shown is None:
         return
-    viewer.change(
-        lambda state: state.marking(mark, bool(second)).replace(active=mark.look)
-    )
+    left, top = shown.tiles.corner(shown.state.active)
+    width, height = shown.tiles.size
+    _mark(viewer, mark_at(shown, left + width / 2, top + height / 2), second)
+
+
+def _mark(viewer: Viewer, mark: Mark | None, second: bool) -> None:
+    """Mark a point, if there is one."""
+    if mark is not None:
+        viewer.change(
+            lambda state: state.marking(mark, bool(second)).replace(active=mark.look)
+        )
 
 
 def _unmark(viewer: Viewer) -> None:
@@ -124,6 +138,7 @@ _TRIGGERS: dict[str, Callable[..., Any]] = {
     "drag": _drag,
     "zoom": _zoom,
     "pick": _pick,
+    "mark_middle": _mark_middle,
     "unmark": _unmark,
     "preset": _preset,
     "fitted": _fitted,

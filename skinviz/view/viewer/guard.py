@@ -28,7 +28,8 @@ _MOST_PENDING = 8  # messages of one browser that have come in part
 _POLICY = (
     "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
     "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "font-src 'self' data:; connect-src 'self' ws: wss:; object-src 'none'; "
+    "font-src 'self' data:; connect-src 'self' ws://{name} wss://{name}; "
+    "object-src 'none'; "
     "base-uri 'self'; form-action 'none'; frame-ancestors {ancestors}"
 )
 _EXITS = ("application.exit", "application.exit.later")
@@ -125,7 +126,7 @@ def middleware(secret: str, host: str, *, framed: bool) -> Any:
         Whether pages of this machine may show the viewer in a frame.
     """
     local = "http://localhost:* http://127.0.0.1:*"
-    policy = _POLICY.format(ancestors=f"'self' {local}" if framed else "'none'")
+    ancestors = f"'self' {local}" if framed else "'none'"
 
     @web.middleware
     async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -133,14 +134,16 @@ def middleware(secret: str, host: str, *, framed: bool) -> Any:
             raise web.HTTPForbidden(text="this server does not go by that name\n")
         origin = request.headers.get("Origin")
         asks = request.path == "/ws" or origin is not None
-        if asks and (origin is None or urlsplit(origin).netloc != request.host):
+        if asks and (origin or "").partition("://")[2] != request.host:
             raise web.HTTPForbidden(text="pages of other sites may not ask here\n")
         response = await handler(request)
         if response.prepared:
             return response
         response.headers.update(
             {
-                "Content-Security-Policy": policy,
+                "Content-Security-Policy": _POLICY.format(
+                    name=request.host, ancestors=ancestors
+                ),
                 "Referrer-Policy": "no-referrer",
                 "X-Content-Type-Options": "nosniff",
                 "Cross-Origin-Resource-Policy": "same-origin",
@@ -164,7 +167,10 @@ def is_known_name(header: str, host: str) -> bool:
     another address goes by that, by the machine's own name and by bare addresses,
     which no stranger's domain is.
     """
-    name = urlsplit(f"//{header}").hostname or ""
+    try:
+        name = urlsplit(f"//{header}").hostname or ""
+    except ValueError:  # half an IPv6 address
+        return False
     if name in LOOPBACK:
         return True
     if host in LOOPBACK:

@@ -87,7 +87,7 @@ def _build_middle(v: Any, html: Any) -> None:
         with html.Div(
             classes="sv-frame",
             v_show="picture",
-            style=("`aspect-ratio: ${aspect}`",),
+            style=("`--aspect: ${aspect}`",),
         ):
             html.Img(
                 src=("picture",),

@@ -27,6 +27,7 @@ SCENE_SUFFIXES = (".toml",)
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 _PLAIN_NAME = re.compile(r"[\w][\w. -]{0,99}", re.UNICODE)
+_LONGEST = 200  # bytes of a name, as most disks have 255 and files begin hidden
 _FIGURE_SIZE = (675, 900)  # pixels, of each hand
 
 
@@ -39,10 +40,11 @@ def file_named(opened: Opened, name: str, suffixes: tuple[str, ...]) -> Path:
         If the name is no plain one, its suffix is another, or a file or link that
         the viewer did not write stands there.
     """
-    if not isinstance(name, str) or not _PLAIN_NAME.fullmatch(name) or ".." in name:
+    plain = isinstance(name, str) and _PLAIN_NAME.fullmatch(name) and ".." not in name
+    if not plain or len(name.encode()) > _LONGEST:
         raise ArgumentError(
-            f"{str(name)[:60]!r} is no name of a file; use letters, digits, '-', '_' "
-            "and '.', without a folder"
+            f"{str(name)[:60]!r} is no name of a file; use up to 100 letters, "
+            "digits, '-', '_' and '.', without a folder"
         )
     file = opened.folder / name
     one_of(file.suffix.lower(), suffixes, "suffix of the file")
@@ -123,7 +125,7 @@ def scene_content(opened: Opened, shown: Shown) -> dict[str, Any]:
     content = copy.deepcopy(opened.content)
     initial, scene = opened.initial, stage.scene
     if state.look != initial.looks[0]:
-        content["skin"] = _skin_table(shown)
+        content["skin"] = _skin_table(shown) | _relief_table(scene)
     if any(getattr(state, n) != getattr(initial, n) for n in _OF_SURFACE):
         content["surface"] = _surface_table(state, scene)
     content["lights"] = _lights_tables(content.get("lights", [{}]), state, scene)
@@ -186,6 +188,15 @@ def _skin_table(shown: Shown) -> dict[str, Any]:
     # By the name that the file has for them, which may be a path.
     named = ("coefficients", "free")
     return table | {key: sample.table[key] for key in named if key in sample.table}
+
+
+def _relief_table(scene: Scene) -> dict[str, Any]:
+    """Return what [skin] says of fine relief: it is of the mesh, and stays."""
+    relief = scene.relief
+    if not relief.depth:
+        return {}
+    own = {"relief_um": relief.depth, "relief_mm": relief.spacing, "seed": relief.seed}
+    return {"texture": own}
 
 
 def _surface_table(state: ViewState, scene: Scene) -> dict[str, Any]:

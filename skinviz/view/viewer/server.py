@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import logging
 import secrets
 import signal
@@ -224,7 +225,10 @@ def _free_port(host: str, port: int) -> int:
         with socket.create_server((host, port), family=family) as found:
             return int(found.getsockname()[1])
     except OSError as error:
+        advice = "with --host; without it this machine alone is listened on"
+        if error.errno in (errno.EADDRINUSE, errno.EACCES):
+            advice = "with --port, or leave it out for one that is free"
+        why = str(error.strerror).partition(" (while")[0]
         raise SkinvizError(
-            f"cannot listen on {host} port {port}: {error.strerror}; choose another "
-            "with --port, or leave it out for one that is free"
+            f"cannot listen on {host} port {port}: {why}; choose another {advice}"
         ) from error

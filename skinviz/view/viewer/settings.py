@@ -111,6 +111,8 @@ def _on_person(viewer: Viewer) -> Callable[..., None]:
             viewer.change(
                 lambda state: state.with_look(person=name, site=site, weights=())
             )
+        else:
+            viewer.refuse(f"nobody is called {str(name)[:60]!r}; choose from the list")
 
     return lambda **variables: checked(viewer, lambda _: changed(**variables))()
 

@@ -137,8 +137,7 @@ class ViewState:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be shown; links are written by anybody."""
-        if len(self.looks) not in MOST_LOOKS:
-            raise ArgumentError(f"1, 2 or 4 hands can be shown; got {len(self.looks)}")
+        _require_hands(len(self.looks))
         _require_whole(self.active, 0, len(self.looks) - 1, "the chosen hand")
         if not isinstance(self.difference, bool):
             raise ArgumentError(f"difference must be true or false: {self.difference}")
@@ -174,6 +173,7 @@ class ViewState:
 
     def with_hands(self, n: int) -> ViewState:
         """Return the state with n hands, further ones as the last."""
+        _require_hands(n)
         looks = (self.looks + (self.looks[-1],) * n)[:n]
         return self.replace(
             looks=looks,
@@ -200,6 +200,12 @@ def _of_length(given: tuple[float, ...], n: int, name: str) -> tuple[float, ...]
     if len(given) != n:
         raise ArgumentError(f"{name} must be {n} numbers; got {len(given)}")
     return given
+
+
+def _require_hands(n: Any) -> None:
+    """Refuse numbers of hands that have no place in a picture."""
+    if isinstance(n, bool) or not isinstance(n, int) or n not in MOST_LOOKS:
+        raise ArgumentError(f"1, 2 or 4 hands can be shown; got {n!r}")
 
 
 def _require_text(given: Any) -> None:

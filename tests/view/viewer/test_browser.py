@@ -135,6 +135,39 @@ def curves(page, name):
     return chart.locator(".legendtext").all_text_contents()
 
 
+def test_points_are_marked_by_keys_alone(page):
+    page.locator(PICTURE).focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector("text=L* ")
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("Shift+Enter")
+    page.wait_for_selector("text=ΔE00 between A and B")
+    wait_still(page)
+    page.keyboard.press("Escape")
+    page.wait_for_selector("text=ΔE00 between A and B", state="detached")
+
+
+def test_the_picture_keeps_its_size_while_it_turns(page):
+    """Pictures of what moves have fewer pixels, which are then shown larger."""
+    measure = """() => {
+      const shown = document.querySelector('[data-test=picture]');
+      const box = shown.getBoundingClientRect();
+      const frame = document.querySelector('[data-test=middle]');
+      return [shown.naturalWidth, box.width, box.height, frame.clientWidth];
+    }"""
+    page.set_viewport_size({"width": 1600, "height": 1000})
+    page.wait_for_function(f"({measure})()[0] === ({measure})()[3]")
+    wait_still(page)
+    pixels, *still = page.evaluate(measure)
+    page.locator(PICTURE).focus()
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(f"({measure})()[0] < {pixels}")
+    _, *moving = page.evaluate(measure)
+    assert moving == pytest.approx(still, abs=1)
+    wait_still(page)
+    assert page.evaluate(measure)[1:] == pytest.approx(still, abs=1)
+
+
 def test_the_page_shows_the_hand_its_skin_and_its_light(page):
     shown = picture(page)
     assert shown.std() > 20

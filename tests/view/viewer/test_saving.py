@@ -37,6 +37,24 @@ def saved_again(opened, state, tmp_path, scene_file):
     return shown, Darkroom(reopened).quick(reopened.initial, SIZE), reopened
 
 
+def test_relief_stays_under_the_skin_of_another(scene_file, tmp_path):
+    ball = scene_file.with_name("ball.ply")
+    text = scene_file.read_text().replace("ball.ply", str(ball))
+    rough = tmp_path / "rough.toml"
+    texture = "[skin.texture]\nrelief_um = 80\nrelief_mm = 6.0\nseed = 4\n\n[[lights]]"
+    rough.write_text(text.replace("[[lights]]", texture))
+    opened = open_path(rough)
+    person = opened.samples.people("")[3]
+    look = {"person": person, "site": opened.samples.sites(person)[0]}
+    for weights in ((), (0.2, 0.01, 0.004)):
+        state = opened.initial.with_look(**look, weights=weights)
+        shown = Darkroom(opened).quick(state, SIZE)
+        saved = tmp_path / "saved.toml"
+        saved.write_text(toml_text(scene_content(opened, shown)))
+        assert read_scene(saved).relief == shown.stages[0].scene.relief
+        assert read_scene(saved).relief.depth == 80
+
+
 @pytest.mark.parametrize(
     "changes",
     [

@@ -96,6 +96,7 @@ def test_the_secret_opens_and_nothing_else_does(run):
         "http://localhost:1",
         "http://127.0.0.1",
         "null",
+        "http://[",
         "",
     ],
 )
@@ -163,6 +164,7 @@ def test_a_tunnel_with_another_port_gets_in(run):
         ("192.168.0.7", "127.0.0.1", False),
         ("localhost.evil.example", "127.0.0.1", False),
         ("", "127.0.0.1", False),
+        ("[::1", "127.0.0.1", False),
         ("192.168.0.7:80", "0.0.0.0", True),
         (socket.gethostname(), "0.0.0.0", True),
         ("evil.example", "0.0.0.0", False),
@@ -196,7 +198,11 @@ def test_a_reloaded_page_is_known_by_its_cookie(run):
 def test_pages_may_not_be_framed_or_leak_the_link(run):
     async def talk(running):
         _, headers = await status(base_of(running) + "/index.html")
-        assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+        policy = headers["Content-Security-Policy"]
+        assert "frame-ancestors 'none'" in policy
+        (allowed,) = (p for p in policy.split("; ") if p.startswith("connect-src"))
+        here = urlsplit(running.url).netloc
+        assert allowed == f"connect-src 'self' ws://{here} wss://{here}"
         assert headers["Referrer-Policy"] == "no-referrer"
 
     run(talk)
@@ -239,7 +245,7 @@ def test_no_file_of_the_machine_is_served(run, path):
 
 
 @pytest.mark.parametrize(
-    "name", ["../x.png", "/etc/x.png", "a/b.png", 3, None, {"a": 1}]
+    "name", ["../x.png", "/etc/x.png", "a/b.png", "漢" * 90 + ".png", 3, None, {"a": 1}]
 )
 def test_no_file_outside_the_folder_is_written(run, name, tmp_path):
     async def talk(running):
@@ -352,6 +358,35 @@ def test_nonsense_ends_nothing(run):
     run(talk)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("hands", 10**9),  # not as many looks as fill memory
+        ("hands", 3),
+        ("stops", 1e6),
+        ("stops", float("nan")),
+        ("tolerance_log", 1e6),
+        ("width", 1e308),
+        ("surface", "glass"),
+        ("person", "Nobody/0"),
+        ("weight_0", 1e300),
+    ],
+)
+def test_a_control_that_was_set_beyond_its_range_goes_back(run, name, value):
+    async def talk(running):
+        async with connected(running.url) as browser:
+            await browser.until(lambda told: told.get("still"))
+            before = (await browser.call("trame.state.get"))["result"]["state"][name]
+            browser.states.pop(name, None)
+            await browser.set(**{name: value})
+            await browser.until(lambda told: told.get("notice") and name in told)
+            assert browser.states["notice"]["bad"]
+            assert browser.states[name] == before
+        assert running.viewer.state == running.viewer.opened.initial
+
+    run(talk)
+
+
 def test_what_cannot_be_shown_is_told_and_undone(run):
     async def talk(running):
         async with connected(running.url) as browser:
@@ -361,6 +396,20 @@ def test_what_cannot_be_shown_is_told_and_undone(run):
             assert browser.states["notice"]["bad"]
             await browser.until(lambda told: told.get("index") == "1.4")
         assert running.viewer.state == running.viewer.opened.initial
+
+    run(talk)
+
+
+def test_after_what_cannot_be_shown_a_still_picture_follows(run):
+    async def talk(running):
+        async with connected(running.url) as browser:
+            await browser.until(lambda told: told.get("still"))
+            await browser.set(light_angle=21)
+            await browser.until(lambda told: "light=21" in told.get("query", ""))
+            await browser.set(index="0.3")  # before the still one is begun
+            await browser.until(lambda told: told.get("notice"))
+            await browser.until(lambda told: told.get("still"))
+        assert running.viewer.state.light[0] == 21
 
     run(talk)
 
@@ -426,6 +475,22 @@ def test_work_that_takes_long_is_told_of(run, monkeypatch):
     run(talk)
 
 
+def test_a_fault_while_saving_is_told(run, monkeypatch):
+    def fail(*_):
+        raise RuntimeError("no ink")
+
+    monkeypatch.setattr(app, "save_view_figure", fail)
+
+    async def talk(running):
+        async with connected(running.url) as browser:
+            await browser.until(lambda told: told.get("still"))
+            await browser.trigger("save_figure", "view.png")
+            await browser.until(lambda told: told.get("notice"))
+            assert "no ink" in browser.states["notice"]["text"]
+
+    run(talk)
+
+
 def test_a_link_shows_the_same_view(run):
     async def talk(running):
         async with connected(running.url) as browser:
@@ -447,6 +512,15 @@ def test_a_port_in_use_is_said():
         port = taken.getsockname()[1]
         with pytest.raises(SkinvizError, match="--port"):
             asyncio.run(twice(port))
+
+
+@pytest.mark.parametrize("host", ["192.0.2.1", "a host without a name"])
+def test_an_address_that_is_not_of_this_machine_is_said(host):
+    async def elsewhere():
+        start(host=host)
+
+    with pytest.raises(SkinvizError, match="--host"):
+        asyncio.run(elsewhere())
 
 
 def test_what_cannot_be_opened_is_told_on_the_page(scene_file):

@@ -102,6 +102,8 @@
       waiting.zoom -= 1;
     } else if (event.key === "0") {
       ask("framed");
+    } else if (event.key === "Enter") {
+      ask("mark_middle", [event.shiftKey]);
     } else if (event.key === "Escape") {
       ask("unmark");
     } else {
