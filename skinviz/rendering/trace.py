@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinviz.rendering import rays
+from skinviz.rendering.engraving import engrave
 from skinviz.rendering.geometry import Geometry
 from skinviz.rendering.lighting import Lighting
 from skinviz.rendering.sight import Sight
@@ -130,7 +131,7 @@ def _engrave(sight: Sight, points: Array, normals: Array) -> None:
     if relief.depth > 0:
         depth = 1e-3 * relief.depth / relief.spacing  # both in mm
         start, step = geometry.centre / relief.spacing, geometry.scale / relief.spacing
-        rays.engrave(points, normals, start, step, depth, relief.seed)
+        engrave(points, normals, start, step, depth, relief.seed)
 
 
 def joined(parts: list[Hits], samples: int) -> Hits:

@@ -15,7 +15,7 @@ from skinviz import (
     render,
     textured,
 )
-from skinviz.rendering import rays
+from skinviz.rendering.engraving import FURROW, engrave
 from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.tolerance import compare
 from skinviz.scene.kernels import all_ridges
@@ -32,13 +32,13 @@ def ridges_at(points):
 
 def height(points, depth):
     """The surface's height at points (n, 3), in units of the cells."""
-    return -depth * np.exp(-np.square(ridges_at(points)[0] / rays.FURROW))
+    return -depth * np.exp(-np.square(ridges_at(points)[0] / FURROW))
 
 
 def engraved(points, normals, depth, step=1.0):
     """Normals (n, 3) after the relief is on them."""
     flat = np.ascontiguousarray(normals.T)
-    rays.engrave(np.ascontiguousarray(points.T), flat, START, step, depth, SEED)
+    engrave(np.ascontiguousarray(points.T), flat, START, step, depth, SEED)
     return flat.T
 
 
