@@ -362,8 +362,8 @@ def _garbled(count: int) -> list[Row]:
         for model in METERS:
             tally: Counter[str] = Counter()
             with benches.simulated(model) as (meter, device):
-                true = meter.measure().radiance
                 for i in range(count):
+                    true = meter.measure().radiance  # anew, for the lamp drifts
                     device.faults.add([("garble", "bitflip")[i % 2]])
                     try:
                         found = meter.measure(within=WITHIN).radiance
