@@ -1,8 +1,15 @@
-"""A study's folder."""
+"""A study's folder, and people of the archive with their fits."""
+
+import dataclasses
 
 import numpy as np
 import pytest
 from study_folders import skin, write_table
+from study_people import part
+
+from skinviz import load_archive
+from skinviz.study.people import people_at
+from skinviz.study.tables import COEFFICIENTS, SITES, fit_people
 
 
 @pytest.fixture
@@ -21,3 +28,23 @@ def folder(tmp_path):
         "utf-8",
     )
     return tmp_path
+
+
+@pytest.fixture(scope="session")
+def everyone():
+    return people_at(load_archive("issa"), SITES)
+
+
+@pytest.fixture(scope="session")
+def seven(everyone):
+    return part(everyone, list(range(0, 598, 90)))
+
+
+@pytest.fixture(scope="session")
+def methods(seven):
+    own = [fit_people(seven, "two-layer", name) for name in COEFFICIENTS]
+    worse = [
+        dataclasses.replace(m, model="worse", sse_61=m.sse_61 * 2, status=m.status)
+        for m in own
+    ]
+    return [own[0], worse[0], own[1], worse[1]]

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from study_people import part
 
-from skinviz import load_archive, skin_models
+from skinviz import skin_models
 from skinviz.study.orders import paired_contrast
 from skinviz.study.paper_tables import (
     CLAIMS,
@@ -22,7 +23,6 @@ from skinviz.study.paper_tables import (
     table_2,
     table_3,
 )
-from skinviz.study.people import people_at
 from skinviz.study.tables import COEFFICIENTS, SITES, fit_people
 
 ROOT = Path(__file__).parents[2]
@@ -30,38 +30,8 @@ SUBJECTS = {"A": 0, "B": 3, "C": 6}
 
 
 @pytest.fixture(scope="module")
-def everyone():
-    return people_at(load_archive("issa"), SITES)
-
-
-@pytest.fixture(scope="module")
 def script():
     return runpy.run_path(str(ROOT / "scripts" / "tables_2_and_3.py"))
-
-
-def part(people, which):
-    """Return some of the people."""
-    return dataclasses.replace(
-        people,
-        names=tuple(people.names[i] for i in which),
-        descriptions=tuple(people.descriptions[i] for i in which),
-        reflectance=people.reflectance[which],
-    )
-
-
-@pytest.fixture(scope="module")
-def seven(everyone):
-    return part(everyone, list(range(0, 598, 90)))
-
-
-@pytest.fixture(scope="module")
-def methods(seven):
-    own = [fit_people(seven, "two-layer", name) for name in COEFFICIENTS]
-    worse = [
-        dataclasses.replace(m, model="worse", sse_61=m.sse_61 * 2, status=m.status)
-        for m in own
-    ]
-    return [own[0], worse[0], own[1], worse[1]]
 
 
 def test_subjects_are_chosen_by_colour_alone(everyone):

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from skinviz import fit_skin, load_archive, skin_model, skin_models
-from skinviz.study.people import people_at
+from skinviz import fit_skin, skin_model, skin_models
 from skinviz.study.tables import (
     COEFFICIENTS,
     PAPER_ERRORS,
@@ -17,36 +16,6 @@ from skinviz.study.tables import (
     fit_people,
     order_agreement,
 )
-
-
-@pytest.fixture(scope="module")
-def everyone():
-    return people_at(load_archive("issa"), SITES)
-
-
-def part(people, which):
-    """Return some of the people."""
-    return dataclasses.replace(
-        people,
-        names=tuple(people.names[i] for i in which),
-        descriptions=tuple(people.descriptions[i] for i in which),
-        reflectance=people.reflectance[which],
-    )
-
-
-@pytest.fixture(scope="module")
-def seven(everyone):
-    return part(everyone, list(range(0, 598, 90)))
-
-
-@pytest.fixture(scope="module")
-def methods(seven):
-    own = [fit_people(seven, "two-layer", name) for name in COEFFICIENTS]
-    worse = [
-        dataclasses.replace(m, model="worse", sse_61=m.sse_61 * 2, status=m.status)
-        for m in own
-    ]
-    return [own[0], worse[0], own[1], worse[1]]
 
 
 @pytest.mark.parametrize("model", skin_models())
