@@ -31,7 +31,7 @@ from skinviz.view.comparison_levels import (
     shown,
     title_of,
 )
-from skinviz.view.hands_grid import Hand, hands_figure, render_linked
+from skinviz.view.hands_grid import Hand, grid_figure, render_linked
 
 if TYPE_CHECKING:
     import pyvista
@@ -123,7 +123,7 @@ def comparison_hands(
         "estimate between the ends of the 95 % that its covariance allows, by Monte "
         f"Carlo. {caption}"
     )
-    figure = hands_figure(
+    figure = grid_figure(
         rows,
         min(width, _MARGIN + _WIDEST * len(rows[0])),
         pixel=pictures[0].view.pixel,

@@ -102,7 +102,7 @@ def render_linked(
     return pictures
 
 
-def hands_figure(
+def grid_figure(
     hands: Sequence[Sequence[Hand | None]],
     width: float,
     *,

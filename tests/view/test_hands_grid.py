@@ -8,7 +8,7 @@ from drawn_texts import check_apart, check_inside, texts_of
 
 from meshes import sphere
 from skinviz.errors import ArgumentError
-from skinviz.view.hands_grid import Hand, hands_figure, render_linked
+from skinviz.view.hands_grid import Hand, grid_figure, render_linked
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +55,7 @@ def grid(pictures, n_rows=3, n_columns=4):
 
 @pytest.mark.parametrize("width", [4.2, 7.0, 11.2])
 def test_every_word_can_be_read(pictures, width):
-    figure = hands_figure(
+    figure = grid_figure(
         grid(pictures),
         width,
         pixel=pictures[0].view.pixel,
@@ -72,7 +72,7 @@ def test_every_word_can_be_read(pictures, width):
 
 def test_pictures_are_shown_as_they_are(pictures):
     rows = [[Hand(p.rgb) for p in pictures]]
-    figure = hands_figure(rows, 5.0, pixel=1.0)
+    figure = grid_figure(rows, 5.0, pixel=1.0)
     shown = [axes.images[0].get_array() for axes in figure.axes if axes.images]
     for own, picture in zip(shown, pictures, strict=True):
         np.testing.assert_array_equal(own, picture.rgb)
@@ -85,12 +85,12 @@ def test_wrong_grids_are_told(pictures, scene):
     hand = Hand(pictures[0].rgb)
     other = Hand(pictures[0].rgb[:-1])
     with pytest.raises(ArgumentError, match="one size"):
-        hands_figure([[hand, other]], 5.0, pixel=1.0)
+        grid_figure([[hand, other]], 5.0, pixel=1.0)
     with pytest.raises(ArgumentError, match="one size"):
-        hands_figure([[None]], 5.0, pixel=1.0)
+        grid_figure([[None]], 5.0, pixel=1.0)
     with pytest.raises(ArgumentError, match="equal length"):
-        hands_figure([[hand, hand], [hand]], 5.0, pixel=1.0)
+        grid_figure([[hand, hand], [hand]], 5.0, pixel=1.0)
     with pytest.raises(ArgumentError, match="row_labels must be 1"):
-        hands_figure([[hand]], 5.0, pixel=1.0, row_labels=["a", "b"])
+        grid_figure([[hand]], 5.0, pixel=1.0, row_labels=["a", "b"])
     with pytest.raises(ArgumentError, match="no scene"):
         render_linked([])

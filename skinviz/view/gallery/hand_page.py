@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from skinviz.view.gallery.recipe import FigureRecipe, Material, Settings
-from skinviz.view.hands_grid import Hand, hands_figure
+from skinviz.view.hands_grid import Hand, grid_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def draw_hands(
         label = name if labels else ""
         return Hand(material.pictures[name], label, notes=told)
 
-    return hands_figure(
+    return grid_figure(
         [[hand(name) for name in row] for row in names],
         settings.width,
         pixel=float(rows["pixel_mm"].iloc[0]),
