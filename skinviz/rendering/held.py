@@ -24,6 +24,7 @@ from skinviz.rendering.shade import VertexSpectrum, parted
 from skinviz.rendering.sight import Sight
 from skinviz.rendering.stage import Stage
 from skinviz.scene.camera import Camera
+from skinviz.scene.relief import SMOOTH, Relief
 from skinviz.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -135,7 +136,7 @@ class SeenPoint:
     spectrum: VertexSpectrum
 
 
-def hold(geometry: Geometry, camera: Camera) -> HeldView:
+def hold(geometry: Geometry, camera: Camera, relief: Relief = SMOOTH) -> HeldView:
     """Cast one ray for each pixel of a camera's picture.
 
     Parameters
@@ -144,13 +145,15 @@ def hold(geometry: Geometry, camera: Camera) -> HeldView:
         Of the mesh, from :func:`geometry_of`.
     camera : Camera
         Who looks at it.
+    relief : Relief
+        Of what is seen, finer than its triangles.
 
     Returns
     -------
     held : HeldView
         To be lit as often as wanted.
     """
-    sight = Sight(geometry, camera.view(geometry.in_mm))
+    sight = Sight(geometry, camera.view(geometry.in_mm), relief)
     _ = geometry.embree
     block, marked = sight.blocks
     asked = pixels_of(np.argwhere(marked), block, *camera.size)

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from meshes import sphere, tube, wave
-from skinviz import Camera, DirectionalLight, Scene, Skin, TorranceSparrow, render
+from skinviz import (
+    Camera,
+    DirectionalLight,
+    Relief,
+    Scene,
+    Skin,
+    TorranceSparrow,
+    render,
+)
 from skinviz.rendering import trace
 from skinviz.rendering.geometry import geometry_of
 from skinviz.rendering.held import ONE_RAY, hold, seen_point
@@ -15,9 +23,9 @@ from skinviz.rendering.plan import cells
 SIZE = (56, 44)
 
 
-@pytest.fixture(params=["sphere", "open tube", "near", "mapped"])
+@pytest.fixture(params=["sphere", "open tube", "near", "mapped", "relief"])
 def scene(request, model):
-    """A ball, a tube whose inside shows, a near viewer, and mapped pigments."""
+    """A ball, a tube whose inside shows, a near viewer, a map, and furrows."""
     mesh = (
         tube(n_around=24, n_along=6) if request.param == "open tube" else sphere(40, 3)
     )
@@ -34,12 +42,13 @@ def scene(request, model):
             DirectionalLight([1, 0, 0], "A", 0.3),
         ),
         camera=Camera([0.2, 0.5, 1.0], [0, 1, 0], SIZE, distance=distance),
+        relief=Relief(200.0, 6.0) if request.param == "relief" else Relief(),
     )
 
 
 @pytest.fixture
 def held(scene):
-    return hold(geometry_of(scene.mesh), scene.camera)
+    return hold(geometry_of(scene.mesh), scene.camera, scene.relief)
 
 
 def test_it_shows_what_one_ray_a_pixel_shows(scene, held):

@@ -21,7 +21,6 @@ from skinviz.rendering.render import Rendering, render
 from skinviz.rendering.spectral import white_xyz
 from skinviz.rendering.stage import Stage
 from skinviz.rendering.tolerance import colour_differences
-from skinviz.scene.camera import Camera
 from skinviz.scene.scene import Scene
 from skinviz.view.viewer.opened import Opened
 from skinviz.view.viewer.samples import Sample
@@ -111,7 +110,7 @@ class Darkroom:
         tiles = tiles_of(len(state.looks) + state.difference, size)
         samples = tuple(self._sample(look) for look in state.looks)
         scenes = scenes_of(self.opened, state, samples, tiles.size)
-        held = self._view(scenes[0].camera, state)
+        held = self._view(scenes[0], state)
         stages = tuple(held.stage(scene, _quick_plan(scene)) for scene in scenes)
         parts = [held.rgb(stage) for stage in stages]
         scale = 0.0
@@ -162,10 +161,10 @@ class Darkroom:
                 scene, None, tolerance, geometry=self.opened.geometry, advance=advance
             )
 
-    def _view(self, camera: Camera, state: ViewState) -> HeldView:
+    def _view(self, scene: Scene, state: ViewState) -> HeldView:
         """Return a view whose rays are cast, the last ones from memory."""
-        key = (camera.size, state.view, state.zoom, state.shift)
-        cast = partial(hold, self.opened.geometry, camera)
+        key = (scene.camera.size, state.view, state.zoom, state.shift)
+        cast = partial(hold, self.opened.geometry, scene.camera, scene.relief)
         return _kept(self._views, key, cast, _VIEWS)
 
     def _sample(self, look: Look) -> Sample:
